@@ -1,0 +1,49 @@
+# Flags that every target of the project shares, and the two ways to declare one.
+
+option(LAMELLA_WERROR "Treat warnings as errors" OFF)
+set(LAMELLA_SANITIZE "" CACHE STRING "Sanitizers, as for -fsanitize=")
+
+if(LAMELLA_CCACHE)
+  find_program(LAMELLA_CCACHE_PROGRAM ccache)
+  if(LAMELLA_CCACHE_PROGRAM)
+    set(CMAKE_CXX_COMPILER_LAUNCHER "${LAMELLA_CCACHE_PROGRAM}")
+  endif()
+endif()
+
+add_library(lamella_flags INTERFACE)
+target_compile_features(lamella_flags INTERFACE cxx_std_20)
+# -ffp-contract=off: the same doubles from every compiler and CPU (docs/decisions/0002-floating-point.md).
+target_compile_options(lamella_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off
+                                               $<$<BOOL:${LAMELLA_WERROR}>:-Werror>)
+if(LAMELLA_SANITIZE)
+  target_compile_options(lamella_flags INTERFACE -fsanitize=${LAMELLA_SANITIZE} -fno-omit-frame-pointer)
+  target_link_options(lamella_flags INTERFACE -fsanitize=${LAMELLA_SANITIZE})
+endif()
+
+# lamella_add_library(core SOURCES a.cpp ... HEADERS a.h ...) declares lamella::core.
+# Headers are included by their path in the tree, in the tree and installed alike.
+function(lamella_add_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;HEADERS" ${ARGN})
+  add_library(lamella_${name} STATIC ${ARG_SOURCES})
+  add_library(lamella::${name} ALIAS lamella_${name})
+  target_sources(lamella_${name} PUBLIC FILE_SET HEADERS BASE_DIRS "${PROJECT_SOURCE_DIR}" FILES ${ARG_HEADERS})
+  target_compile_features(lamella_${name} PUBLIC cxx_std_20)
+  target_link_libraries(lamella_${name} PRIVATE $<BUILD_INTERFACE:lamella_flags>)
+  set_target_properties(lamella_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  set_property(GLOBAL APPEND PROPERTY LAMELLA_LIBRARIES lamella_${name})
+endfunction()
+
+# lamella_add_test(trim_test SOURCES trim_test.cpp LIBRARIES lamella::model [LABELS corpus] [TIMEOUT 300])
+# declares one GoogleTest program; each of its tests becomes a CTest.
+function(lamella_add_test name)
+  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LIBRARIES;LABELS" ${ARGN})
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 120)
+  endif()
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE ${ARG_LIBRARIES} lamella_flags lamella_test_support GTest::gtest GTest::gmock
+                                        GTest::gtest_main)
+  # Assertions stay on in tests of every build type.
+  target_compile_options(${name} PRIVATE -UNDEBUG)
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
+endfunction()

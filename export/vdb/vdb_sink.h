@@ -1,0 +1,18 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "slicing/layer_sink.h"
+
+namespace lamella {
+
+struct VdbOptions {
+  bool integer_ids = false;  ///< also an Int32 grid `material_id` (pyopenvdb can't read it)
+};
+
+/// One OpenVDB file: fog `density`, one float mask `density_<material>` each, float `material` ids (0 void, 1 + id),
+/// id-to-name metadata, and a voxel-centre transform with the true anisotropic pitch.
+[[nodiscard]] std::unique_ptr<LayerSink> make_vdb_sink(const std::filesystem::path& file, const VdbOptions& options = {});
+
+}  // namespace lamella

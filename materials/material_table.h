@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/ids.h"
+#include "model/scene.h"
+
+namespace lamella {
+
+struct Material {
+  std::string name;
+  std::optional<double> density;  ///< g/cm^3
+  Color color{0.5, 0.5, 0.5};
+};
+
+/// Which material a solid has, how it ranks where solids overlap, and which rule said so.
+struct Assignment {
+  MaterialId material;
+  int priority = 0;   ///< higher wins
+  std::string rule;   ///< e.g. "materials.xml:12 name=Grip*" or "STEP material"
+};
+
+enum class OverlapPolicy { priority, error, entry, exit, average };
+
+/// Who is made of what, and who wins. Material ids follow the library's order.
+struct MaterialTable {
+  IdVector<MaterialId, Material> materials;
+  IdVector<SolidId, Assignment> assignments;
+  OverlapPolicy policy = OverlapPolicy::priority;
+};
+
+}  // namespace lamella

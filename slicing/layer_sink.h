@@ -1,0 +1,56 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "materials/material_table.h"
+#include "slicing/layer.h"
+#include "slicing/layer_plan.h"
+#include "slicing/report.h"
+
+namespace lamella {
+
+/// One solid as exporters and readers of a build see it.
+struct BuildSolid {
+  std::string name;
+  std::string path;
+  MaterialId material;
+  int priority = 0;
+  double volume_exact = 0.0;  ///< mm^3
+  Box3 bounds;
+};
+
+/// All that an exporter knows about a build besides its layers.
+struct BuildInfo {
+  std::vector<SourceFile> sources;
+  IdVector<MaterialId, Material> materials;
+  IdVector<SolidId, BuildSolid> solids;
+  OverlapPolicy policy = OverlapPolicy::priority;
+  LayerPlan plan;
+};
+
+/// Takes the layers of one build in increasing z: begin, write once per layer, finish.
+/// An implementation writes to temporary names and renames in finish(); destroyed without finish() it leaves nothing.
+class LayerSink {
+ public:
+  virtual ~LayerSink() = default;
+  /// Throws ExportError before any layer is cut when the target can't be written, UsageError when an option is missing.
+  virtual void begin(const BuildInfo& info) = 0;
+  virtual void write(const Layer& layer) = 0;
+  virtual void finish(const SliceReport& report) = 0;
+};
+
+/// Feeds several sinks from one stream, in order.
+class TeeSink final : public LayerSink {
+ public:
+  void add(std::unique_ptr<LayerSink> sink) { sinks_.push_back(std::move(sink)); }
+  void begin(const BuildInfo& info) override;
+  void write(const Layer& layer) override;
+  void finish(const SliceReport& report) override;
+
+ private:
+  std::vector<std::unique_ptr<LayerSink>> sinks_;
+};
+
+}  // namespace lamella

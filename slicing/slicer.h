@@ -1,0 +1,31 @@
+#pragma once
+
+#include "core/progress.h"
+#include "materials/material_table.h"
+#include "model/measure.h"
+#include "model/scene.h"
+#include "slicing/layer_plan.h"
+#include "slicing/layer_sink.h"
+#include "slicing/reference/reference_engine.h"
+#include "slicing/report.h"
+
+namespace lamella {
+
+struct SliceOptions {
+  ReferenceOptions reference;
+  int threads = 0;              ///< 0: all cores
+  bool allow_open = false;      ///< slice open solids too, by winding number
+};
+
+/// What begin() of every sink is told.
+[[nodiscard]] BuildInfo make_build_info(const Scene& scene, const MaterialTable& table,
+                                        const IdVector<SolidId, SolidMeasure>& measures, const LayerPlan& plan);
+
+/// The main job: cuts every layer of `plan`, labels the segments, and hands the layers to `sink` in increasing z.
+/// Memory does not grow with the number of layers. Same output for any number of threads.
+/// Throws InputError when no solid is left to slice or when policy `error` meets an overlap; Cancelled when asked.
+[[nodiscard]] SliceReport slice(const Scene& scene, const MaterialTable& table,
+                                const IdVector<SolidId, SolidMeasure>& measures, const LayerPlan& plan,
+                                const SliceOptions& options, LayerSink& sink, const Progress& progress = {});
+
+}  // namespace lamella

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+
+#include "core/progress.h"
+#include "slicing/layer_sink.h"
+
+namespace lamella {
+
+struct StoreOptions {
+  std::uint32_t layers_per_shard = 64;
+  int compression = 4;  ///< deflate level, 0 to 9
+};
+
+/// Writes a build: `build.xml`, `layers/NNNNNN.h5` shards, `layers.h5` that links them (docs/formats/store.md).
+/// Refuses a folder that isn't empty and isn't a build. Same layers, same bytes.
+[[nodiscard]] std::unique_ptr<LayerSink> make_store_sink(const std::filesystem::path& build,
+                                                         const StoreOptions& options = {});
+
+/// Layers [first, last) of a build.
+struct LayerRange {
+  std::uint32_t first = 0;
+  std::uint32_t last = UINT32_MAX;
+};
+
+/// A build on disk, opened for reading. Every shard's checksum is verified before its layers are handed out.
+class StoreReader {
+ public:
+  /// Throws InputError with file and place when it isn't a build or is damaged.
+  explicit StoreReader(std::filesystem::path build);
+  ~StoreReader();
+  StoreReader(StoreReader&&) noexcept;
+
+  [[nodiscard]] const BuildInfo& info() const;
+  [[nodiscard]] const SliceReport& report() const;
+  [[nodiscard]] Layer read_layer(std::uint32_t index) const;
+
+  /// Streams the layers of `range` to `sink` in increasing z: begin, write ..., finish.
+  void replay(LayerSink& sink, LayerRange range = {}, const Progress& progress = {}) const;
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
+}  // namespace lamella
