@@ -1,11 +1,10 @@
 #include "core/atomic_file.h"
 
-#include <unistd.h>
-
 #include <atomic>
 #include <fstream>
 #include <string>
 #include <system_error>
+#include <unistd.h>
 #include <utility>
 
 #include "core/error.h"

@@ -1,9 +1,8 @@
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <cstdlib>
 #include <filesystem>
+#include <gtest/gtest.h>
 #include <random>
 #include <string>
 
@@ -43,6 +42,6 @@ class TemporaryFolder {
 }  // namespace lamella::test
 
 /// Skips the test with a message when the third-party STEP files aren't there.
-#define LAMELLA_NEEDS_CORPUS()                                                                   \
-  if (!std::filesystem::exists(lamella::test::corpus_dir() / "manifest.tsv"))                    \
+#define LAMELLA_NEEDS_CORPUS()                                                \
+  if (!std::filesystem::exists(lamella::test::corpus_dir() / "manifest.tsv")) \
   GTEST_SKIP() << "no STEP corpus at " << lamella::test::corpus_dir() << " (set LAMELLA_STEP_DIR)"
