@@ -64,8 +64,8 @@ class Scanner {
     } else if (looking_at("<!")) {
       fail("a document type declaration, which is refused", "remove <!DOCTYPE ...> and every entity");
     } else if (looking_at("</")) {
+      if (--depth_ < 0) fail("an end tag without its start", "");
       skip_past(">", "an end tag");
-      --depth_;
     } else {
       start_tag();
     }
@@ -111,7 +111,7 @@ class Scanner {
 
   void character_data() {
     for (; at_ < text_.size() && text_[at_] != '<'; ++at_) {
-      if (depth_ <= 0 && !is_space(text_[at_])) fail("text outside the root element", "");
+      if (depth_ == 0 && !is_space(text_[at_])) fail("text outside the root element", "");
       if (text_[at_] == '&') reference();
     }
   }
