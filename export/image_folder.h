@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "slicing/layer_sink.h"
+
+namespace lamella {
+
+/// A folder with one image per layer, or one sub-folder of such images per material, and three tables:
+/// `materials.csv`, `grid.csv` and, once the stack is complete, `layers.csv` (docs/formats/png.md).
+///
+/// Every file appears under its name when it is whole. A folder that holds anything but an earlier stack is refused;
+/// an earlier stack is removed when a new one begins.
+class ImageFolder {
+ public:
+  /// `extension` of the images, with its dot. `subfolders` has one plain name per material, or is empty.
+  ImageFolder(std::filesystem::path root, std::string extension, std::vector<std::string> subfolders);
+
+  /// Checks and empties the folder, creates it and its sub-folders, and writes the tables but layers.csv.
+  /// `first_value` is the pixel value of material 0. Throws ExportError.
+  void open(const BuildInfo& info, int first_value);
+
+  /// Writes the image of `layer` into the given sub-folder (ignored without sub-folders). Threads may write different
+  /// images at the same time. Throws ExportError.
+  void write_image(const Layer& layer, std::size_t subfolder, std::string_view bytes) const;
+
+  /// Notes a layer for layers.csv.
+  void add_layer(const Layer& layer);
+
+  /// Writes layers.csv, which tells a reader that the stack is complete. Throws ExportError.
+  void close() const;
+
+ private:
+  [[nodiscard]] std::string image_name(std::uint32_t index) const;
+  void write_tables(const BuildInfo& info, int first_value) const;
+
+  std::filesystem::path root_;
+  std::string extension_;
+  std::vector<std::string> subfolders_;
+  std::string layers_csv_;
+};
+
+}  // namespace lamella

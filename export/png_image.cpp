@@ -1,0 +1,144 @@
+#include "export/png_image.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <libdeflate.h>
+#include <limits>
+#include <memory>
+#include <string_view>
+
+#include "core/error.h"
+
+namespace lamella {
+
+namespace {
+
+constexpr std::uint64_t kMaxImageBytes = std::numeric_limits<std::int32_t>::max();
+
+/// The level at which libdeflate is fastest; pictures of long runs hardly gain from more (docs/formats/png.md).
+constexpr int kDeflateLevel = 1;
+
+constexpr std::uint8_t kFilterUp = 2;
+
+void put_u32(std::string& out, std::uint32_t value) {
+  for (int shift = 24; shift >= 0; shift -= 8) out.push_back(static_cast<char>(value >> shift));
+}
+
+void put_chunk(std::string& out, std::string_view type, std::string_view data) {
+  put_u32(out, static_cast<std::uint32_t>(data.size()));
+  const std::size_t begin = out.size();
+  out += type;
+  out += data;
+  put_u32(out, libdeflate_crc32(0, out.data() + begin, out.size() - begin));
+}
+
+std::string header(const PackedImage& image, bool indexed) {
+  std::string data;
+  put_u32(data, static_cast<std::uint32_t>(image.width()));
+  put_u32(data, static_cast<std::uint32_t>(image.height()));
+  data.push_back(static_cast<char>(image.bits()));
+  data.push_back(indexed ? 3 : 0);  // colour type: palette or grey
+  data.append(3, '\0');             // deflate, adaptive filters, no interlace
+  return data;
+}
+
+std::string physical_size(const PngStyle& style) {
+  std::string data;
+  put_u32(data, style.pixels_per_metre[0]);
+  put_u32(data, style.pixels_per_metre[1]);
+  data.push_back(1);  // the unit is the metre
+  return data;
+}
+
+std::string palette_bytes(const std::vector<Color>& palette) {
+  std::string data;
+  for (const Color& color : palette) {
+    for (double channel : color) {
+      data.push_back(static_cast<char>(std::lround(std::clamp(channel, 0.0, 1.0) * 255.0)));
+    }
+  }
+  return data;
+}
+
+/// Each row as its difference from the row above, which is mostly zero in a picture of solids.
+std::vector<std::uint8_t> filter_rows(const PackedImage& image) {
+  std::vector<std::uint8_t> filtered = image.bytes();
+  const std::size_t step = image.stride() + 1;
+  filtered[0] = kFilterUp;
+  for (std::size_t row = step; row < filtered.size(); row += step) {
+    const std::uint8_t* current = image.bytes().data() + row;
+    const std::uint8_t* above = current - step;
+    std::uint8_t* out = filtered.data() + row;
+    out[0] = kFilterUp;
+    for (std::size_t i = 1; i < step; ++i) out[i] = static_cast<std::uint8_t>(current[i] - above[i]);
+  }
+  return filtered;
+}
+
+std::string compress(const std::vector<std::uint8_t>& bytes) {
+  const std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)> compressor(
+      libdeflate_alloc_compressor(kDeflateLevel), &libdeflate_free_compressor);
+  if (!compressor) throw std::bad_alloc();
+  std::string out(libdeflate_zlib_compress_bound(compressor.get(), bytes.size()), '\0');
+  out.resize(libdeflate_zlib_compress(compressor.get(), bytes.data(), bytes.size(), out.data(), out.size()));
+  return out;
+}
+
+}  // namespace
+
+PackedImage::PackedImage(std::int64_t width, std::int64_t height, int bits)
+    : width_(width), height_(height), bits_(bits), stride_((static_cast<std::size_t>(width) * bits + 7) / 8) {
+  // Neither factor exceeds 2^31, so the product does not overflow.
+  if ((stride_ + 1) * static_cast<std::uint64_t>(height) > kMaxImageBytes) {
+    throw UsageError(
+        "a layer of " + std::to_string(width) + " x " + std::to_string(height) + " pixels is too large for a PNG", "",
+        "choose a coarser --pitch");
+  }
+  bytes_.resize((stride_ + 1) * static_cast<std::size_t>(height));
+}
+
+void PackedImage::fill(std::int64_t row, std::int64_t begin, std::int64_t end, unsigned value) {
+  if (begin >= end) return;
+  // 1 / (2^bits - 1) of 255 times the value repeats it through the byte: 0x55 * 3 = 0xFF.
+  const auto pattern = static_cast<std::uint8_t>(value * (255u / ((1u << bits_) - 1u)));
+  std::uint8_t* bytes = bytes_.data() + static_cast<std::size_t>(row) * (stride_ + 1) + 1;
+  const auto first_bit = static_cast<std::size_t>(begin) * bits_;
+  const auto last_bit = static_cast<std::size_t>(end) * bits_;
+  const auto blend = [&](std::size_t at, unsigned mask) {
+    bytes[at] = static_cast<std::uint8_t>((bytes[at] & ~mask) | (pattern & mask));
+  };
+  const unsigned head = 0xFFu >> (first_bit % 8);
+  const unsigned tail = ~(0xFFu >> (last_bit % 8)) & 0xFFu;
+  const std::size_t first = first_bit / 8;
+  const std::size_t last = last_bit / 8;
+  if (first == last) return blend(first, head & tail);
+  blend(first, head);
+  std::memset(bytes + first + 1, pattern, last - first - 1);
+  if (tail != 0) blend(last, tail);
+}
+
+std::array<std::uint32_t, 2> pixels_per_metre(const Grid& grid) {
+  const auto rounded = [](double pitch) {
+    constexpr double kMax = std::numeric_limits<std::int32_t>::max();
+    return static_cast<std::uint32_t>(std::clamp(std::round(1000.0 / pitch), 1.0, kMax));
+  };
+  return {rounded(grid.pitch.x()), rounded(grid.pitch.y())};
+}
+
+std::string encode_png(const PackedImage& image, const PngStyle& style) {
+  const std::string pixels = compress(filter_rows(image));
+  std::string out("\x89PNG\r\n\x1A\n", 8);
+  out.reserve(pixels.size() + 4096);
+  put_chunk(out, "IHDR", header(image, !style.palette.empty()));
+  put_chunk(out, "pHYs", physical_size(style));
+  if (!style.palette.empty()) {
+    put_chunk(out, "PLTE", palette_bytes(style.palette));
+    put_chunk(out, "tRNS", std::string(1, '\0'));
+  }
+  put_chunk(out, "IDAT", pixels);
+  put_chunk(out, "IEND", {});
+  return out;
+}
+
+}  // namespace lamella

@@ -1,0 +1,153 @@
+#include "export/png_stack.h"
+
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "export/build_check.h"
+#include "export/file_name.h"
+#include "export/image_folder.h"
+#include "export/png_image.h"
+#include "export/raster_row.h"
+
+namespace lamella {
+
+namespace {
+
+constexpr std::size_t kMaxIndexedMaterials = 255;  // 8-bit indices, one of which is void
+
+std::vector<std::string> material_names(const BuildInfo& info) {
+  std::vector<std::string> names;
+  for (const Material& material : info.materials) names.push_back(material.name);
+  return names;
+}
+
+/// Pictures show the part from above: the top row is the one with the largest y (command.md, Images).
+std::int64_t picture_row(const Grid& grid, std::size_t row) {
+  return grid.size[1] - 1 - static_cast<std::int64_t>(row);
+}
+
+/// One row's run of one material.
+struct RowRun {
+  std::int64_t picture_row;
+  PixelRun pixels;
+};
+
+/// Black pictures with the material in white, one stack per material.
+class PngSink final : public LayerSink {
+ public:
+  explicit PngSink(std::filesystem::path folder) : root_(std::move(folder)) {}
+
+  void begin(const BuildInfo& info) override {
+    check_build(info);
+    info_ = info;
+    style_.pixels_per_metre = pixels_per_metre(info.plan.grid);
+    blank_ = encode_png(blank_image(), style_);
+    folder_.emplace(root_, ".png", safe_file_names(material_names(info)));
+    folder_->open(info, 1);
+  }
+
+  void write(const Layer& layer) override {
+    check_layer(layer, info_);
+    const auto runs = runs_by_material(layer);
+    parallel_for(runs.size(), [&](std::size_t m) { folder_->write_image(layer, m, picture(runs[m])); });
+    folder_->add_layer(layer);
+  }
+
+  void finish(const SliceReport&) override { folder_->close(); }
+
+ private:
+  [[nodiscard]] PackedImage blank_image() const { return {info_.plan.grid.size[0], info_.plan.grid.size[1], 1}; }
+
+  [[nodiscard]] std::string picture(std::span<const RowRun> runs) const {
+    if (runs.empty()) return blank_;
+    PackedImage image = blank_image();
+    for (const RowRun& run : runs) image.fill(run.picture_row, run.pixels.begin, run.pixels.end, 1);
+    return encode_png(image, style_);
+  }
+
+  [[nodiscard]] std::vector<std::vector<RowRun>> runs_by_material(const Layer& layer) const {
+    const Grid& grid = info_.plan.grid;
+    std::vector<std::vector<RowRun>> runs(info_.materials.size());
+    for (std::size_t row = 0; row < layer.raster.rows(); ++row) {
+      for (const Segment& segment : layer.raster.row(row)) {
+        const PixelRun pixels = pixels_of(segment, grid);
+        if (pixels.begin < pixels.end) runs[segment.material.value()].push_back({picture_row(grid, row), pixels});
+      }
+    }
+    return runs;
+  }
+
+  std::filesystem::path root_;
+  BuildInfo info_;
+  PngStyle style_;
+  std::string blank_;  // most layers lack some material
+  std::optional<ImageFolder> folder_;
+};
+
+/// Smallest bit depth of PNG that holds `values` different values.
+int index_bits(std::size_t values) {
+  int bits = 1;
+  while ((std::size_t{1} << bits) < values) bits *= 2;
+  return bits;
+}
+
+/// One picture per layer whose pixels are material numbers.
+class IndexedPngSink final : public LayerSink {
+ public:
+  explicit IndexedPngSink(std::filesystem::path folder) : folder_(std::move(folder), ".png", {}) {}
+
+  void begin(const BuildInfo& info) override {
+    check_build(info);
+    if (info.materials.size() > kMaxIndexedMaterials) {
+      throw UsageError(
+          "an indexed PNG holds at most 255 materials, this build has " + std::to_string(info.materials.size()), "",
+          "use one stack per material (--png)");
+    }
+    info_ = info;
+    bits_ = index_bits(info.materials.size() + 1);
+    style_.pixels_per_metre = pixels_per_metre(info.plan.grid);
+    style_.palette = {Color{0.0, 0.0, 0.0}};
+    for (const Material& material : info.materials) style_.palette.push_back(material.color);
+    const PackedImage fits(info.plan.grid.size[0], info.plan.grid.size[1], bits_);
+    folder_.open(info, 1);
+  }
+
+  void write(const Layer& layer) override {
+    check_layer(layer, info_);
+    const Grid& grid = info_.plan.grid;
+    PackedImage image(grid.size[0], grid.size[1], bits_);
+    for (std::size_t row = 0; row < layer.raster.rows(); ++row) {
+      for (const Segment& segment : layer.raster.row(row)) {
+        const PixelRun pixels = pixels_of(segment, grid);
+        image.fill(picture_row(grid, row), pixels.begin, pixels.end, 1 + segment.material.value());
+      }
+    }
+    folder_.write_image(layer, 0, encode_png(image, style_));
+    folder_.add_layer(layer);
+  }
+
+  void finish(const SliceReport&) override { folder_.close(); }
+
+ private:
+  ImageFolder folder_;
+  BuildInfo info_;
+  PngStyle style_;
+  int bits_ = 1;
+};
+
+}  // namespace
+
+std::unique_ptr<LayerSink> make_png_sink(const std::filesystem::path& folder) {
+  return std::make_unique<PngSink>(folder);
+}
+
+std::unique_ptr<LayerSink> make_indexed_png_sink(const std::filesystem::path& folder) {
+  return std::make_unique<IndexedPngSink>(folder);
+}
+
+}  // namespace lamella
