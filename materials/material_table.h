@@ -10,6 +10,9 @@
 
 namespace lamella {
 
+/// Largest density in g/cm^3 that is believed; osmium, the densest element, has 22.6.
+inline constexpr double kMaxDensity = 100.0;
+
 struct Material {
   std::string name;
   std::optional<double> density;  ///< g/cm^3
@@ -19,8 +22,8 @@ struct Material {
 /// Which material a solid has, how it ranks where solids overlap, and which rule said so.
 struct Assignment {
   MaterialId material;
-  int priority = 0;   ///< higher wins
-  std::string rule;   ///< e.g. "materials.xml:12 name=Grip*" or "STEP material"
+  int priority = 0;  ///< higher wins
+  std::string rule;  ///< e.g. "materials.xml:12 name=Grip*" or "STEP material"
 };
 
 enum class OverlapPolicy { priority, error, entry, exit, average };
