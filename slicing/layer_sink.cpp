@@ -14,4 +14,8 @@ void TeeSink::finish(const SliceReport& report) {
   for (const auto& sink : sinks_) sink->finish(report);
 }
 
+void TeeSink::abandon() noexcept {
+  for (const auto& sink : sinks_) sink->abandon();
+}
+
 }  // namespace lamella

@@ -31,6 +31,7 @@ struct BuildInfo {
 };
 
 /// Takes the layers of one build in increasing z: begin, write once per layer, finish.
+/// A replay of a range of layers writes fewer than the plan holds; `Layer::index` keeps its place in the plan.
 /// An implementation writes to temporary names and renames in finish(); destroyed without finish() it leaves nothing.
 class LayerSink {
  public:
@@ -39,6 +40,9 @@ class LayerSink {
   virtual void begin(const BuildInfo& info) = 0;
   virtual void write(const Layer& layer) = 0;
   virtual void finish(const SliceReport& report) = 0;
+  /// Called instead of finish() when the run failed for good: removes also the files that were complete. After a
+  /// cancelled run it isn't called; complete files may stay.
+  virtual void abandon() noexcept {}
 };
 
 /// Feeds several sinks from one stream, in order.
@@ -48,6 +52,7 @@ class TeeSink final : public LayerSink {
   void begin(const BuildInfo& info) override;
   void write(const Layer& layer) override;
   void finish(const SliceReport& report) override;
+  void abandon() noexcept override;
 
  private:
   std::vector<std::unique_ptr<LayerSink>> sinks_;

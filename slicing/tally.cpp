@@ -1,0 +1,168 @@
+#include "slicing/tally.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/xml.h"
+
+namespace lamella {
+
+namespace {
+
+/// g/cm^3 times mm^3 in g.
+constexpr double kGramsPerDensityVolume = 1e-3;
+
+/// The integrals of |n_y| and |n_z| are known within 1 % (model/measure.h).
+constexpr double kNormalAreaSlack = 1.01;
+
+std::string status_of(const SolidInfo& info) {
+  switch (info.status) {
+    case SolidStatus::open:
+      return "open";
+    case SolidStatus::invalid:
+      return "invalid";
+    case SolidStatus::empty:
+      return "empty";
+    case SolidStatus::ok:
+      break;
+  }
+  return info.closed ? "ok" : "open";
+}
+
+std::vector<PairReport> pair_reports(const auto& pairs) {
+  std::vector<PairReport> out;
+  for (const auto& [ids, pair] : pairs) out.push_back({ids.first, ids.second, pair.volume.value(), pair.layers});
+  return out;
+}
+
+}  // namespace
+
+Tally::Tally(const Scene& scene, const MaterialTable& table, const IdVector<SolidId, SolidMeasure>& measures,
+             const LayerPlan& plan, const std::vector<SolidId>& solids)
+    : scene_(scene),
+      table_(table),
+      measures_(measures),
+      plan_(plan),
+      solid_volume_(scene.solids.size()),
+      material_volume_(table.materials.size()) {
+  for (const LayerSpan& layer : plan.layers) thickest_ = std::max(thickest_, layer.z_top - layer.z_bottom);
+  report_.solids.resize(scene.solids.size());
+  report_.materials.resize(table.materials.size());
+  for (const SolidId solid : scene.solids.ids()) {
+    report_.solids[solid].status = status_of(scene.solids[solid].info);
+    report_.solids[solid].left_out = std::find(solids.begin(), solids.end(), solid) == solids.end();
+  }
+  report_.layers = plan.layers.size();
+  report_.rows = report_.rays = plan.layers.size() * static_cast<std::uint64_t>(plan.grid.size[1]);
+}
+
+void Tally::add(const RowTask& task, const RowBlock& block) {
+  report_.cast += block.cast;
+  if (task.is_hatch) return;
+  if (table_.policy == OverlapPolicy::error) refuse_overlaps(block, task);
+  const LayerSpan& layer = plan_.layers[task.layer];
+  const double area = plan_.grid.pitch.y() * (layer.z_top - layer.z_bottom);
+  report_.segments += block.rows.segments.size();
+  for (std::size_t i = 0; i < solid_volume_.size(); ++i) solid_volume_[i].add(block.solid_length[i] * area);
+  for (std::size_t i = 0; i < material_volume_.size(); ++i) material_volume_[i].add(block.material_length[i] * area);
+  add_pairs(overlaps_, block.overlaps, task, area);
+  add_pairs(gaps_, block.gaps, task, area);
+}
+
+void Tally::add_pairs(Pairs& pairs, const std::vector<PairLength>& lengths, const RowTask& task, double area) const {
+  for (const PairLength& length : lengths) {
+    Pair& pair = pairs[{length.first, length.second}];
+    pair.volume.add(length.length * area);
+    if (pair.layers == 0 || pair.last_layer != task.layer) ++pair.layers;
+    pair.last_layer = task.layer;
+  }
+}
+
+bool Tally::is_ambiguous(SolidId a, SolidId b) const {
+  return table_.assignments[a].priority == table_.assignments[b].priority;
+}
+
+void Tally::refuse_overlaps(const RowBlock& block, const RowTask& task) const {
+  for (const PairLength& overlap : block.overlaps) {
+    if (!is_ambiguous(overlap.first, overlap.second)) continue;
+    throw InputError("solids of equal priority and different material overlap",
+                     "solids '" + scene_.solids[overlap.first].info.path + "' and '" +
+                         scene_.solids[overlap.second].info.path + "', layer " + std::to_string(task.layer) +
+                         ", z = " + format_double(plan_.layers[task.layer].z_sample) + " mm",
+                     "give one of them a higher priority, or choose another --overlap policy");
+  }
+}
+
+void Tally::warn(SolidId solid, std::string what, std::string hint) {
+  const SolidInfo& info = scene_.solids[solid].info;
+  Finding finding;
+  finding.solid = info.path;
+  if (info.step_entity > 0) finding.entity = std::string("#").append(std::to_string(info.step_entity));
+  finding.what = std::move(what);
+  finding.hint = std::move(hint);
+  report_.findings.push_back(std::move(finding));
+}
+
+void Tally::judge_solid(SolidId solid) {
+  const SolidMeasure& measure = measures_[solid];
+  SolidReport& out = report_.solids[solid];
+  out.volume_sliced = solid_volume_[solid.value()].value();
+  out.volume_exact = std::isfinite(measure.volume) ? measure.volume : 0.0;
+  const double bound = plan_.grid.pitch.y() * measure.abs_normal_area.y() + thickest_ * measure.abs_normal_area.z();
+  out.quadrature_bound = std::isfinite(bound) ? bound : 0.0;
+  if (out.left_out) {
+    warn(solid, "left out: the solid is " + out.status, "repair it, or slice it by winding number with --allow-open");
+    return;
+  }
+  if (out.status != "ok") {
+    warn(solid, "the solid is " + out.status + "; its segments can't be trusted", "repair it in the CAD system");
+    return;
+  }
+  const double allowed = kNormalAreaSlack * out.quadrature_bound + measure.volume_error;
+  // Written so that NaN fails.
+  if (std::abs(out.volume_sliced - measure.volume) <= allowed) return;
+  out.status = "volume";
+  warn(solid,
+       "sliced volume " + format_double(out.volume_sliced) + " mm^3 is further from the exact " +
+           format_double(out.volume_exact) + " mm^3 than the quadrature bound " + format_double(out.quadrature_bound),
+       "look at its layers before building it");
+}
+
+void Tally::report_overlaps() {
+  report_.overlaps = pair_reports(overlaps_);
+  report_.gaps = pair_reports(gaps_);
+  for (const PairReport& overlap : report_.overlaps) {
+    if (!is_ambiguous(overlap.first, overlap.second)) continue;
+    warn(overlap.first,
+         "overlaps '" + scene_.solids[overlap.second].info.path + "' of another material at equal priority by " +
+             format_double(overlap.volume) + " mm^3",
+         "give one of them a higher priority");
+  }
+}
+
+void Tally::report_casts() {
+  const auto note = [&](std::uint64_t count, const char* what) {
+    if (count == 0) return;
+    Finding finding;
+    finding.what = std::to_string(count) + what;
+    finding.hint = "compare the volumes, or move the lattice by a fraction of the pitch with --origin";
+    report_.findings.push_back(std::move(finding));
+  };
+  note(report_.cast.unclosed_rays, " rays could not be closed; their solid is missing there");
+  note(report_.cast.repaired_rays, " rays were repaired by dropping or inventing hits");
+  note(report_.cast.uncertain_hits, " hits are uncertain within the file's own tolerances");
+}
+
+SliceReport Tally::finish() {
+  for (const SolidId solid : scene_.solids.ids()) judge_solid(solid);
+  for (const MaterialId material : table_.materials.ids()) {
+    MaterialReport& out = report_.materials[material];
+    out.volume = material_volume_[material.value()].value();
+    out.mass = table_.materials[material].density.value_or(0.0) * out.volume * kGramsPerDensityVolume;
+  }
+  report_overlaps();
+  report_casts();
+  return std::move(report_);
+}
+
+}  // namespace lamella
