@@ -73,8 +73,9 @@ std::string plain(std::string_view name) {
 
 }  // namespace
 
-std::vector<std::string> safe_file_names(const std::vector<std::string>& names) {
-  std::set<std::string> taken;
+std::vector<std::string> safe_file_names(const std::vector<std::string>& names, const std::vector<std::string>& taken) {
+  std::set<std::string> used;
+  for (const std::string& name : taken) used.insert(lower(name));
   std::map<std::string, int> next_number;  // so that many equal names stay cheap
   std::vector<std::string> out;
   out.reserve(names.size());
@@ -82,7 +83,7 @@ std::vector<std::string> safe_file_names(const std::vector<std::string>& names) 
     const std::string base = plain(name);
     int& number = next_number.try_emplace(lower(base), 2).first->second;
     std::string candidate = base;
-    while (!taken.insert(lower(candidate)).second) candidate = base + "_" + std::to_string(number++);
+    while (!used.insert(lower(candidate)).second) candidate = base + "_" + std::to_string(number++);
     out.push_back(candidate);
   }
   return out;

@@ -10,7 +10,9 @@ namespace lamella {
 ///
 /// Letters and digits of every script, '-', '_', '+' and inner dots stay; blanks, path separators, control and
 /// invisible formatting characters and bytes that aren't UTF-8 become '_'. An empty name becomes "unnamed"; names that
-/// Windows reserves gain a '_', later duplicates "_2", "_3" and so on. At most 100 bytes long.
-[[nodiscard]] std::vector<std::string> safe_file_names(const std::vector<std::string>& names);
+/// Windows reserves gain a '_', later duplicates and names that are `taken` already "_2", "_3" and so on. At most 100
+/// bytes long.
+[[nodiscard]] std::vector<std::string> safe_file_names(const std::vector<std::string>& names,
+                                                       const std::vector<std::string>& taken = {});
 
 }  // namespace lamella

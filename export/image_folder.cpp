@@ -10,6 +10,7 @@
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/xml.h"
+#include "export/file_name.h"
 
 namespace lamella {
 
@@ -91,20 +92,25 @@ void empty_folder(const fs::path& root, const std::string& extension) {
 
 }  // namespace
 
-ImageFolder::ImageFolder(fs::path root, std::string extension, std::vector<std::string> subfolders)
-    : root_(std::move(root)), extension_(std::move(extension)), subfolders_(std::move(subfolders)) {
+ImageFolder::ImageFolder(fs::path root, std::string extension, bool folder_per_material)
+    : root_(std::move(root)), extension_(std::move(extension)), folder_per_material_(folder_per_material) {
   layers_csv_ = fmt::format("{}\n", kLayersHeader);
 }
 
-void ImageFolder::open(const BuildInfo& info, int first_value) {
+void ImageFolder::open(const BuildInfo& info) {
+  if (folder_per_material_) {
+    std::vector<std::string> names;
+    for (const Material& material : info.materials) names.push_back(material.name);
+    subfolders_ = safe_file_names(names, {kTables.begin(), kTables.end()});
+  }
   empty_folder(root_, extension_);
   make_folder(root_);
-  write_tables(info, first_value);
+  write_tables(info);
   for (const std::string& name : subfolders_) make_folder(root_ / name);
 }
 
 void ImageFolder::write_image(const Layer& layer, std::size_t subfolder, std::string_view bytes) const {
-  const fs::path folder = subfolders_.empty() ? root_ : root_ / subfolders_[subfolder];
+  const fs::path folder = folder_per_material_ ? root_ / subfolders_[subfolder] : root_;
   write_file_atomically(folder / image_name(layer.index), bytes);
 }
 
@@ -119,12 +125,12 @@ std::string ImageFolder::image_name(std::uint32_t index) const {
   return fmt::format("layer_{:06}{}", index, extension_);
 }
 
-void ImageFolder::write_tables(const BuildInfo& info, int first_value) const {
+void ImageFolder::write_tables(const BuildInfo& info) const {
   std::string materials = fmt::format("{}\n", kMaterialsHeader);
   for (MaterialId id : info.materials.ids()) {
     const Material& material = info.materials[id];
-    const auto value = subfolders_.empty() ? first_value + id.value() : first_value;
-    const std::string folder = subfolders_.empty() ? "." : subfolders_[id.value()];
+    const unsigned value = folder_per_material_ ? 1 : 1 + id.value();
+    const std::string folder = folder_per_material_ ? subfolders_[id.value()] : ".";
     const std::string density = material.density ? format_double(*material.density) : "";
     materials += fmt::format("{},{},{},{}", value, csv_field(material.name), csv_field(folder), density);
     for (double channel : material.color)

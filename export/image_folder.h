@@ -17,12 +17,12 @@ namespace lamella {
 /// an earlier stack is removed when a new one begins.
 class ImageFolder {
  public:
-  /// `extension` of the images, with its dot. `subfolders` has one plain name per material, or is empty.
-  ImageFolder(std::filesystem::path root, std::string extension, std::vector<std::string> subfolders);
+  /// The folder itself is made by open(). `extension` of the images comes with its dot.
+  ImageFolder(std::filesystem::path root, std::string extension, bool folder_per_material);
 
-  /// Checks and empties the folder, creates it and its sub-folders, and writes the tables but layers.csv.
-  /// `first_value` is the pixel value of material 0. Throws ExportError.
-  void open(const BuildInfo& info, int first_value);
+  /// Checks and empties the folder, creates it and its sub-folders, and writes the tables but layers.csv. Throws
+  /// ExportError.
+  void open(const BuildInfo& info);
 
   /// Writes the image of `layer` into the given sub-folder (ignored without sub-folders). Threads may write different
   /// images at the same time. Throws ExportError.
@@ -36,11 +36,12 @@ class ImageFolder {
 
  private:
   [[nodiscard]] std::string image_name(std::uint32_t index) const;
-  void write_tables(const BuildInfo& info, int first_value) const;
+  void write_tables(const BuildInfo& info) const;
 
   std::filesystem::path root_;
   std::string extension_;
-  std::vector<std::string> subfolders_;
+  bool folder_per_material_;
+  std::vector<std::string> subfolders_;  ///< by material, empty when all images lie in the root
   std::string layers_csv_;
 };
 

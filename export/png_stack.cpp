@@ -1,6 +1,5 @@
 #include "export/png_stack.h"
 
-#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -9,7 +8,6 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "export/build_check.h"
-#include "export/file_name.h"
 #include "export/image_folder.h"
 #include "export/png_image.h"
 #include "export/raster_row.h"
@@ -19,12 +17,6 @@ namespace lamella {
 namespace {
 
 constexpr std::size_t kMaxIndexedMaterials = 255;  // 8-bit indices, one of which is void
-
-std::vector<std::string> material_names(const BuildInfo& info) {
-  std::vector<std::string> names;
-  for (const Material& material : info.materials) names.push_back(material.name);
-  return names;
-}
 
 /// Pictures show the part from above: the top row is the one with the largest y (command.md, Images).
 std::int64_t picture_row(const Grid& grid, std::size_t row) {
@@ -40,25 +32,24 @@ struct RowRun {
 /// Black pictures with the material in white, one stack per material.
 class PngSink final : public LayerSink {
  public:
-  explicit PngSink(std::filesystem::path folder) : root_(std::move(folder)) {}
+  explicit PngSink(std::filesystem::path folder) : folder_(std::move(folder), ".png", true) {}
 
   void begin(const BuildInfo& info) override {
     check_build(info);
     info_ = info;
     style_.pixels_per_metre = pixels_per_metre(info.plan.grid);
     blank_ = encode_png(blank_image(), style_);
-    folder_.emplace(root_, ".png", safe_file_names(material_names(info)));
-    folder_->open(info, 1);
+    folder_.open(info);
   }
 
   void write(const Layer& layer) override {
     check_layer(layer, info_);
     const auto runs = runs_by_material(layer);
-    parallel_for(runs.size(), [&](std::size_t m) { folder_->write_image(layer, m, picture(runs[m])); });
-    folder_->add_layer(layer);
+    parallel_for(runs.size(), [&](std::size_t m) { folder_.write_image(layer, m, picture(runs[m])); });
+    folder_.add_layer(layer);
   }
 
-  void finish(const SliceReport&) override { folder_->close(); }
+  void finish(const SliceReport&) override { folder_.close(); }
 
  private:
   [[nodiscard]] PackedImage blank_image() const { return {info_.plan.grid.size[0], info_.plan.grid.size[1], 1}; }
@@ -82,11 +73,10 @@ class PngSink final : public LayerSink {
     return runs;
   }
 
-  std::filesystem::path root_;
+  ImageFolder folder_;
   BuildInfo info_;
   PngStyle style_;
   std::string blank_;  // most layers lack some material
-  std::optional<ImageFolder> folder_;
 };
 
 /// Smallest bit depth of PNG that holds `values` different values.
@@ -99,7 +89,7 @@ int index_bits(std::size_t values) {
 /// One picture per layer whose pixels are material numbers.
 class IndexedPngSink final : public LayerSink {
  public:
-  explicit IndexedPngSink(std::filesystem::path folder) : folder_(std::move(folder), ".png", {}) {}
+  explicit IndexedPngSink(std::filesystem::path folder) : folder_(std::move(folder), ".png", false) {}
 
   void begin(const BuildInfo& info) override {
     check_build(info);
@@ -114,7 +104,7 @@ class IndexedPngSink final : public LayerSink {
     style_.palette = {Color{0.0, 0.0, 0.0}};
     for (const Material& material : info.materials) style_.palette.push_back(material.color);
     const PackedImage fits(info.plan.grid.size[0], info.plan.grid.size[1], bits_);
-    folder_.open(info, 1);
+    folder_.open(info);
   }
 
   void write(const Layer& layer) override {
