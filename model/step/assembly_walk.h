@@ -1,0 +1,36 @@
+#pragma once
+
+#include <TDocStd_Document.hxx>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "model/step/convert_solid.h"
+#include "model/step/entity_index.h"
+
+/// Private to model/step: from the imported assembly to a flat list of placed solids.
+namespace lamella::step {
+
+/// Bounds against assemblies that multiply without end.
+inline constexpr int kMaxAssemblyDepth = 200;
+inline constexpr std::size_t kMaxSolids = 2'000'000;
+
+/// Material and density of a part by the number of its PRODUCT_DEFINITION.
+struct StepMaterial {
+  std::string name;
+  std::optional<double> density;  ///< g/cm^3
+};
+using MaterialOf = std::function<std::optional<StepMaterial>(int product_definition)>;
+
+struct Assembly {
+  std::vector<SolidSource> solids;  ///< in the order of the walk
+  std::vector<SolidSource> loose;   ///< shells and faces outside any solid, one entry per shell, one per part's faces
+  FaceColors colors;
+};
+
+/// Walks all roots. Paths are unique among solids and loose geometry together. Throws InputError when the assembly is
+/// nested too deep or holds too many solids.
+[[nodiscard]] Assembly walk_assembly(const Handle(TDocStd_Document) & document, const EntityIndex& entities,
+                                     const MaterialOf& material_of);
+
+}  // namespace lamella::step

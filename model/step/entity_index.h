@@ -1,0 +1,42 @@
+#pragma once
+
+#include <StepData_StepModel.hxx>
+#include <TopoDS_Shape.hxx>
+#include <Transfer_TransientProcess.hxx>
+#include <string>
+#include <unordered_map>
+
+/// Private to model/step: which STEP entity became which shape.
+namespace lamella::step {
+
+/// A STEP entity by its number in the file, with the name of the representation item (UTF-8, may be empty).
+struct EntityRef {
+  int number = 0;
+  std::string name;
+};
+
+/// "#123", or empty when the entity is unknown.
+[[nodiscard]] std::string label_of(int number);
+
+/// Finds, for faces, shells, solids and parts of the imported assembly, the entity each came from. Keyed by the shape
+/// without its place, so all instances of a part share the entities.
+class EntityIndex {
+ public:
+  EntityIndex() = default;
+  EntityIndex(const Handle(StepData_StepModel) & model, const Handle(Transfer_TransientProcess) & process);
+
+  /// Entity of a face, shell or solid; number 0 when unknown.
+  [[nodiscard]] EntityRef item(const TopoDS_Shape& shape) const;
+  /// Number of the PRODUCT_DEFINITION whose shape this is; 0 when unknown.
+  [[nodiscard]] int product_definition(const TopoDS_Shape& shape) const;
+
+ private:
+  using Key = const void*;
+  [[nodiscard]] static Key key(const TopoDS_Shape& shape) { return shape.TShape().get(); }
+  void add_item(const TopoDS_Shape& result, TopAbs_ShapeEnum kind, const EntityRef& entity);
+
+  std::unordered_map<Key, EntityRef> items_;
+  std::unordered_map<Key, int> products_;
+};
+
+}  // namespace lamella::step
