@@ -3,7 +3,8 @@
 namespace lamella::datasets {
 
 std::vector<DataSet> catalog() {
-  return {overmoulded_grip(), nested_spheres(), touching_boxes(), interpenetrating_bodies(), gradient_lens()};
+  return {overmoulded_grip(), nested_spheres(), touching_boxes(), interpenetrating_bodies(), gradient_lens(),
+          connector(), pcb_stack(), bone_screw(), mould_insert(), lattice_in_shell()};
 }
 
 }  // namespace lamella::datasets

@@ -12,6 +12,11 @@ namespace lamella::datasets {
 [[nodiscard]] DataSet touching_boxes();
 [[nodiscard]] DataSet interpenetrating_bodies();
 [[nodiscard]] DataSet gradient_lens();
+[[nodiscard]] DataSet connector();
+[[nodiscard]] DataSet pcb_stack();
+[[nodiscard]] DataSet bone_screw();
+[[nodiscard]] DataSet mould_insert();
+[[nodiscard]] DataSet lattice_in_shell();
 
 /// All of them, in the order of the manifest.
 [[nodiscard]] std::vector<DataSet> catalog();
