@@ -27,6 +27,12 @@ struct CurvePoint {
   Vec<Dim> dt;
 };
 
+/// With the second derivative as well.
+template <int Dim>
+struct CurvePoint2 : CurvePoint<Dim> {
+  Vec<Dim> dtt;
+};
+
 /// Evaluates at (u, v), analytic surfaces by their formula, B-splines by de Boor's algorithm on the active span.
 /// Parameters outside a B-spline's domain are clamped.
 [[nodiscard]] Vec3 evaluate_point(const Surface& surface, const Vec2& uv);
@@ -36,6 +42,11 @@ struct CurvePoint {
 template <int Dim>
 [[nodiscard]] CurvePoint<Dim> evaluate(const Curve<Dim>& curve, double t);
 
+template <int Dim>
+[[nodiscard]] CurvePoint2<Dim> evaluate2(const Curve<Dim>& curve, double t);
+
+extern template CurvePoint2<2> evaluate2<2>(const Curve<2>&, double);
+extern template CurvePoint2<3> evaluate2<3>(const Curve<3>&, double);
 extern template CurvePoint<2> evaluate<2>(const Curve<2>&, double);
 extern template CurvePoint<3> evaluate<3>(const Curve<3>&, double);
 

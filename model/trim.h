@@ -6,13 +6,14 @@
 #include "core/ids.h"
 #include "model/bezier.h"
 #include "model/scene.h"
+#include "model/winding_tree.h"
 
 namespace lamella {
 
 /// The trimmed region of one face in the (u, v) of its surface: loops with holes, seams and poles.
 ///
 /// Gaps between consecutive pcurves are bridged by straight segments; the region is where the winding number of the
-/// loops, orientation taken into account, is not zero.
+/// loops, orientation taken into account and summed over the periods, is not zero. Safe to query from several threads.
 class TrimRegion {
  public:
   TrimRegion(const Scene& scene, FaceId face);
@@ -25,15 +26,22 @@ class TrimRegion {
   [[nodiscard]] Side classify(const Vec2& uv, const Vec2& tolerance = Vec2::Zero()) const;
 
   /// The parameter of the period in which classify() found `uv` inside or on the boundary, else `uv` itself.
-  [[nodiscard]] Vec2 unwrap(const Vec2& uv) const;
+  [[nodiscard]] Vec2 unwrap(const Vec2& uv, const Vec2& tolerance = Vec2::Zero()) const;
 
+  /// Box of the control points of the boundary; empty for a face without any.
   [[nodiscard]] const Box2& bounds() const { return bounds_; }
   /// The boundary as oriented rational Bezier pieces, region on the left, bridges included.
   [[nodiscard]] const std::vector<BezierCurve2>& boundary() const { return pieces_; }
 
  private:
+  struct Place {
+    Side side = Side::outside;
+    Vec2 uv;
+  };
+  [[nodiscard]] Place locate(const Vec2& uv, const Vec2& tolerance) const;
+
   std::vector<BezierCurve2> pieces_;
-  std::vector<Box2> boxes_;
+  WindingTree tree_;
   Box2 bounds_;
   Vec2 periods_ = Vec2::Zero();
 };
