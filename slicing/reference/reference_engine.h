@@ -15,8 +15,8 @@ enum class Solver { certified, bisection, newton };
 
 struct ReferenceOptions {
   Solver solver = Solver::certified;
-  double tolerance = 1e-2;     ///< mm, the paper's success criterion (eq. 9); the certified solver ignores it
-  double subdivision = 1e-1;   ///< mm, the paper's subdivision factor: flatness at which refinement stops
+  double tolerance = 1e-2;    ///< mm, the paper's success criterion (eq. 9); the certified solver ignores it
+  double subdivision = 1e-1;  ///< mm, the paper's subdivision factor: flatness at which refinement stops
 };
 
 /// The spans of one solid on one ray, with the hits they came from.
@@ -27,8 +27,8 @@ struct SolidCast {
 };
 
 /// The 2003 paper's engine, steps 2 to 5: faces as rational B-splines, refined by the Oslo algorithm until flat, boxes
-/// of the control nets in a tree, root finding on each sub-patch whose box the ray meets, trim test in (u, v), entry and
-/// exit by the sign of N.d, solid by solid in sequence. Any line in space.
+/// of the control nets in a tree, root finding on each sub-patch whose box the ray meets, trim test in (u, v), entry
+/// and exit by the sign of N.d, solid by solid in sequence. Any line in space.
 ///
 /// Immutable after construction; cast() may be called from several threads at once.
 class ReferenceEngine {
@@ -42,7 +42,8 @@ class ReferenceEngine {
   void find_hits(const Ray& ray, SolidId solid, std::vector<Hit>& hits, CastCounters& counters) const;
 
   /// Closed spans of one solid. Ties (a ray through an edge, a vertex or a tangency) are decided as if the ray ran an
-  /// infinitesimal step to the side of `up`, then of up x direction: the half-open rule of docs/methods/reference-engine.md.
+  /// infinitesimal step to the side of `up`, then of up x direction: the half-open rule of
+  /// docs/methods/reference-engine.md.
   void cast(const Ray& ray, const Vec3& up, SolidId solid, SolidCast& out, CastCounters& counters) const;
 
   /// All solids whose box the ray meets, in sequence.
