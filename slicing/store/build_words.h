@@ -1,0 +1,33 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string_view>
+
+#include "core/error.h"
+#include "materials/material_table.h"
+
+/// The words that build.xml has for enumerations, in the order of their values.
+namespace lamella {
+
+inline constexpr std::array<std::string_view, 5> kPolicyWords{"priority", "error", "entry", "exit", "average"};
+inline constexpr std::array<std::string_view, 3> kSeverityWords{"note", "warning", "error"};
+
+[[nodiscard]] inline std::string_view name_of(OverlapPolicy policy) {
+  return kPolicyWords[static_cast<std::size_t>(policy)];
+}
+[[nodiscard]] inline std::string_view name_of(Severity severity) {
+  return kSeverityWords[static_cast<std::size_t>(severity)];
+}
+
+/// The value whose word is `word`, if there is one.
+template <class Enum, std::size_t N>
+[[nodiscard]] std::optional<Enum> value_named(std::string_view word, const std::array<std::string_view, N>& words) {
+  for (std::size_t i = 0; i < N; ++i) {
+    if (words[i] == word) return static_cast<Enum>(i);
+  }
+  return std::nullopt;
+}
+
+}  // namespace lamella

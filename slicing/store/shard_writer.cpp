@@ -1,0 +1,227 @@
+#include "slicing/store/shard_writer.h"
+
+#include <algorithm>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "core/atomic_file.h"
+#include "core/error.h"
+#include "core/sha256.h"
+#include "slicing/store/build_file.h"
+
+namespace lamella {
+
+namespace {
+
+using hdf5::written;
+namespace fs = std::filesystem;
+
+/// Arrays up to this many bytes lie in their object header, where neither chunks nor compression would pay.
+constexpr std::size_t kCompactBytes = 1024;
+constexpr hsize_t kChunkElements = hsize_t{1} << 17;
+/// The memory image grows by this much at a time.
+constexpr std::size_t kImageStep = std::size_t{1} << 20;
+
+/// An open file or group and the path to name in errors.
+struct Place {
+  hid_t id = H5I_INVALID_HID;
+  const fs::path& path;
+};
+
+/// Object times off: the same layers give the same bytes on every day.
+hdf5::Properties timeless(hid_t kind, const fs::path& path) {
+  hdf5::Properties properties(written(H5Pcreate(kind), path));
+  written(H5Pset_obj_track_times(properties.id(), false), path);
+  return properties;
+}
+
+hdf5::File create_in_memory(const fs::path& path) {
+  const hdf5::Properties access(written(H5Pcreate(H5P_FILE_ACCESS), path));
+  written(H5Pset_fapl_core(access.id(), kImageStep, false), path);
+  // One-chunk indexes and compact headers; read by HDF5 1.10 and later.
+  written(H5Pset_libver_bounds(access.id(), H5F_LIBVER_V110, H5F_LIBVER_V110), path);
+  const hdf5::Properties creation = timeless(H5P_FILE_CREATE, path);
+  return hdf5::File(written(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.id(), access.id()), path));
+}
+
+/// Bytes of the file as they would be on disk.
+std::string image_of(const hdf5::File& file, const fs::path& path) {
+  written(H5Fflush(file.id(), H5F_SCOPE_GLOBAL), path);
+  const auto size = written(H5Fget_file_image(file.id(), nullptr, 0), path);
+  std::string image(static_cast<std::size_t>(size), '\0');
+  written(H5Fget_file_image(file.id(), image.data(), image.size()), path);
+  return image;
+}
+
+std::string write_image(hdf5::File& file, const fs::path& path) {
+  const std::string image = image_of(file, path);
+  file.reset();
+  write_file_atomically(path, image);
+  Sha256 sha;
+  sha.update(std::as_bytes(std::span(image)));
+  return sha.finish();
+}
+
+hdf5::Group create_group(const Place& parent, const std::string& name) {
+  const hdf5::Properties creation = timeless(H5P_GROUP_CREATE, parent.path);
+  return hdf5::Group(
+      written(H5Gcreate2(parent.id, name.c_str(), H5P_DEFAULT, creation.id(), H5P_DEFAULT), parent.path));
+}
+
+/// A string type that holds `size` bytes of UTF-8.
+hdf5::Type string_type(std::size_t size, const fs::path& path) {
+  hdf5::Type type(written(H5Tcopy(H5T_C_S1), path));
+  written(H5Tset_size(type.id(), std::max<std::size_t>(size, 1)), path);
+  written(H5Tset_strpad(type.id(), H5T_STR_NULLPAD), path);
+  written(H5Tset_cset(type.id(), H5T_CSET_UTF8), path);
+  return type;
+}
+
+void put_attribute(const Place& object, const char* name, hid_t type, const void* value) {
+  const hdf5::Space scalar(written(H5Screate(H5S_SCALAR), object.path));
+  const hdf5::Attribute attribute(
+      written(H5Acreate2(object.id, name, type, scalar.id(), H5P_DEFAULT, H5P_DEFAULT), object.path));
+  written(H5Awrite(attribute.id(), type, value), object.path);
+}
+
+void put_attribute(const Place& object, const char* name, std::string_view value) {
+  const std::string text(value);
+  put_attribute(object, name, string_type(text.size(), object.path).id(), text.c_str());
+}
+
+void put_attribute(const Place& object, const char* name, double value) {
+  put_attribute(object, name, H5T_IEEE_F64LE, &value);
+}
+
+void put_attribute(const Place& object, const char* name, std::int64_t value) {
+  put_attribute(object, name, H5T_STD_I64LE, &value);
+}
+
+/// One array: its name, its type on disk and in memory, and the unit its attribute states ("1" for counts and ids).
+struct ArraySpec {
+  const char* name;
+  hid_t type;
+  const char* unit;
+};
+
+hdf5::Properties layout_for(std::size_t bytes, hsize_t count, int compression, const fs::path& path) {
+  hdf5::Properties creation = timeless(H5P_DATASET_CREATE, path);
+  if (bytes <= kCompactBytes) {
+    written(H5Pset_layout(creation.id(), H5D_COMPACT), path);
+    return creation;
+  }
+  const hsize_t chunk = std::min(count, kChunkElements);
+  written(H5Pset_chunk(creation.id(), 1, &chunk), path);
+  if (compression > 0) {
+    written(H5Pset_shuffle(creation.id()), path);
+    written(H5Pset_deflate(creation.id(), static_cast<unsigned>(compression)), path);
+  }
+  return creation;
+}
+
+void put_array(const Place& group, const ArraySpec& spec, const void* data, hsize_t count, int compression) {
+  const std::size_t bytes = static_cast<std::size_t>(count) * H5Tget_size(spec.type);
+  const hdf5::Properties creation = layout_for(bytes, count, compression, group.path);
+  const hdf5::Space space(written(H5Screate_simple(1, &count, nullptr), group.path));
+  const hdf5::Dataset dataset(written(
+      H5Dcreate2(group.id, spec.name, spec.type, space.id(), H5P_DEFAULT, creation.id(), H5P_DEFAULT), group.path));
+  if (count > 0) written(H5Dwrite(dataset.id(), spec.type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data), group.path);
+  put_attribute({dataset.id(), group.path}, "unit", std::string_view(spec.unit));
+}
+
+template <class T>
+void put_column(const Place& group, const ArraySpec& spec, const std::vector<Segment>& segments, int compression,
+                T (*value)(const Segment&)) {
+  std::vector<T> column;
+  column.reserve(segments.size());
+  for (const Segment& segment : segments) column.push_back(value(segment));
+  put_array(group, spec, column.data(), column.size(), compression);
+}
+
+void put_rows(const Place& group, const SegmentRows& rows, int compression) {
+  put_array(group, {"row_start", H5T_STD_U64LE, "1"}, rows.row_start.data(), rows.row_start.size(), compression);
+  put_column<double>(group, {"x_begin", H5T_IEEE_F64LE, "mm"}, rows.segments, compression,
+                     [](const Segment& segment) { return segment.x_begin; });
+  put_column<double>(group, {"x_end", H5T_IEEE_F64LE, "mm"}, rows.segments, compression,
+                     [](const Segment& segment) { return segment.x_end; });
+  put_column<std::uint32_t>(group, {"material", H5T_STD_U32LE, "1"}, rows.segments, compression,
+                            [](const Segment& segment) { return segment.material.value(); });
+  put_column<std::uint32_t>(group, {"solid", H5T_STD_U32LE, "1"}, rows.segments, compression,
+                            [](const Segment& segment) { return segment.solid.value(); });
+}
+
+/// A table of names: entry i belongs to id i.
+void put_names(const Place& file, const char* name, const std::vector<std::string>& names) {
+  std::vector<const char*> pointers;
+  for (const std::string& text : names) pointers.push_back(text.c_str());
+  const hdf5::Type type = string_type(H5T_VARIABLE, file.path);
+  put_array(file, {name, type.id(), "1"}, pointers.data(), pointers.size(), 0);
+}
+
+void put_header(const Place& file, const BuildInfo& info) {
+  put_attribute(file, "format", std::string_view("lamella-layers"));
+  put_attribute(file, "version", std::int64_t{1});
+  put_attribute(file, "length_unit", std::string_view("mm"));
+  put_attribute(file, "angle_unit", std::string_view("rad"));
+  std::vector<std::string> materials;
+  for (const Material& material : info.materials) materials.push_back(material.name);
+  put_names(file, "material_names", materials);
+  std::vector<std::string> solids;
+  for (const BuildSolid& solid : info.solids) solids.push_back(solid.path);
+  put_names(file, "solid_paths", solids);
+}
+
+}  // namespace
+
+ShardWriter::ShardWriter(fs::path path, const BuildInfo& info, int compression)
+    : path_(std::move(path)), compression_(compression) {
+  const hdf5::Session session;
+  file_ = create_in_memory(path_);
+  put_header({file_.id(), path_}, info);
+}
+
+ShardWriter::~ShardWriter() {
+  const hdf5::Session session;
+  file_.reset();
+}
+
+void ShardWriter::add(const Layer& layer) {
+  const hdf5::Session session;
+  const hdf5::Group group = create_group({file_.id(), path_}, layer_group_name(layer.index));
+  const Place place{group.id(), path_};
+  put_attribute(place, "index", static_cast<std::int64_t>(layer.index));
+  put_attribute(place, "z_bottom", layer.z_bottom);
+  put_attribute(place, "z_sample", layer.z_sample);
+  put_attribute(place, "z_top", layer.z_top);
+  const hdf5::Group raster = create_group(place, "raster");
+  put_rows({raster.id(), path_}, layer.raster, compression_);
+  if (!layer.hatch) return;
+  const hdf5::Group hatch = create_group(place, "hatch");
+  const Place hatch_place{hatch.id(), path_};
+  put_attribute(hatch_place, "angle", layer.hatch->angle);
+  put_attribute(hatch_place, "spacing", layer.hatch->spacing);
+  put_attribute(hatch_place, "first_row", layer.hatch->first_row);
+  put_rows(hatch_place, layer.hatch->rows, compression_);
+}
+
+std::string ShardWriter::finish() {
+  const hdf5::Session session;
+  return write_image(file_, path_);
+}
+
+std::string write_master_file(const fs::path& path, const BuildInfo& info, std::size_t layers_per_shard) {
+  const hdf5::Session session;
+  hdf5::File file = create_in_memory(path);
+  put_header({file.id(), path}, info);
+  for (std::size_t layer = 0; layer < info.plan.layers.size(); ++layer) {
+    const std::string name = layer_group_name(layer);
+    const std::string target = "/" + name;
+    written(H5Lcreate_external(shard_name(layer / layers_per_shard).c_str(), target.c_str(), file.id(), name.c_str(),
+                               H5P_DEFAULT, H5P_DEFAULT),
+            path);
+  }
+  return write_image(file, path);
+}
+
+}  // namespace lamella
