@@ -1,0 +1,194 @@
+#include "model/face_integration.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "model/face_quadrature.h"
+
+namespace lamella {
+
+namespace {
+
+constexpr int kMaxLevel = 7;
+/// Surface evaluations one level of one face may take: about a second.
+constexpr double kMaxCost = 2e7;
+/// Of the surface area: the |n| integrals only bound a quadrature error.
+constexpr double kAbsNormalError = 3e-3;
+/// Sums of products of lengths of this size carry rounding of a few ulp, which no refinement removes.
+constexpr double kRounding = 1e-14;
+
+/// One face, integrated at two levels; the difference is the estimate of the coarser one's error.
+class FaceEstimate {
+ public:
+  FaceEstimate(const Scene& scene, FaceId face, const Vec3& reference)
+      : quadrature_(scene, face), reference_(reference), value_(quadrature_.integrate(reference, 0)) {
+    refine();
+  }
+
+  [[nodiscard]] bool can_refine() const { return level_ < kMaxLevel && quadrature_.cost(level_ + 1) <= kMaxCost; }
+
+  void refine() {
+    const FaceIntegrals coarse = value_;
+    value_ = quadrature_.integrate(reference_, ++level_);
+    volume_error_ = std::abs(value_.flux - coarse.flux);
+    area_error_ = std::abs(value_.area - coarse.area);
+    abs_error_ = (value_.abs_normal_area - coarse.abs_normal_area).cwiseAbs().maxCoeff();
+  }
+
+  [[nodiscard]] const FaceIntegrals& value() const { return value_; }
+  [[nodiscard]] double volume_error() const { return volume_error_; }
+  [[nodiscard]] double area_error() const { return area_error_; }
+  [[nodiscard]] double abs_error() const { return abs_error_; }
+
+ private:
+  FaceQuadrature quadrature_;
+  Vec3 reference_;
+  int level_ = 0;
+  FaceIntegrals value_;
+  double volume_error_ = 0.0;
+  double area_error_ = 0.0;
+  double abs_error_ = 0.0;
+};
+
+struct Errors {
+  double volume = 0.0;
+  double area = 0.0;
+  double abs_normal = 0.0;
+};
+
+class Integration {
+ public:
+  Integration(const Scene& scene, std::span<const FaceId> faces, double relative_error)
+      : relative_error_(relative_error) {
+    const Vec3 reference = middle_of(scene, faces);
+    estimates_.reserve(faces.size());
+    for (const FaceId face : faces) add(FaceEstimate(scene, face, reference));
+    size_ = size_of(scene, faces);
+  }
+
+  SurfaceSums run() {
+    for (int round = 0; round < kMaxLevel && !within(errors(), allowed()); ++round) {
+      if (!refine_worst()) break;
+    }
+    SurfaceSums sums = sum();
+    sums.volume_error = errors().volume;
+    sums.converged = all_finite_ && within(errors(), allowed());
+    return sums;
+  }
+
+ private:
+  void add(FaceEstimate estimate) {
+    if (estimate.value().is_finite()) {
+      estimates_.push_back(std::move(estimate));
+    } else {
+      all_finite_ = false;
+    }
+  }
+
+  static double size_of(const Scene& scene, std::span<const FaceId> faces);
+
+  [[nodiscard]] SurfaceSums sum() const {
+    SurfaceSums sums;
+    for (const FaceEstimate& face : estimates_) {
+      sums.volume += face.value().flux;
+      sums.area += std::abs(face.value().area);
+      sums.abs_normal_area += face.value().abs_normal_area.cwiseAbs();
+    }
+    return sums;
+  }
+
+  [[nodiscard]] Errors errors() const {
+    Errors errors;
+    for (const FaceEstimate& face : estimates_) {
+      errors.volume += face.volume_error();
+      errors.area += face.area_error();
+      errors.abs_normal += face.abs_error();
+    }
+    return errors;
+  }
+
+  [[nodiscard]] Errors allowed() const {
+    const SurfaceSums sums = sum();
+    return {std::max(relative_error_ * std::abs(sums.volume), kRounding * sums.area * size_),
+            std::max(relative_error_, kRounding) * sums.area, kAbsNormalError * sums.area};
+  }
+
+  static bool within(const Errors& errors, const Errors& allowed) {
+    return errors.volume <= allowed.volume && errors.area <= allowed.area && errors.abs_normal <= allowed.abs_normal;
+  }
+
+  /// Refines the faces that hold more than their share of an error; false if none can be refined further.
+  bool refine_worst() {
+    const Errors limit = allowed();
+    const double share = 1.0 / static_cast<double>(estimates_.size());
+    bool refined = false;
+    for (FaceEstimate& face : estimates_) {
+      const bool poor = face.volume_error() > share * limit.volume || face.area_error() > share * limit.area ||
+                        face.abs_error() > share * limit.abs_normal;
+      if (poor && face.can_refine()) {
+        face.refine();
+        refined = true;
+      }
+    }
+    return refined;
+  }
+
+  double relative_error_;
+  double size_ = 0.0;
+  bool all_finite_ = true;
+  std::vector<FaceEstimate> estimates_;
+};
+
+Box3 vertex_box(const Scene& scene, std::span<const FaceId> faces) {
+  Box3 box;
+  for (const FaceId face : faces) {
+    for (const LoopId loop : scene.faces[face].loops) {
+      for (const HalfEdgeId id : scene.loops[loop].half_edges) {
+        const Edge& edge = scene.edges[scene.half_edges[id].edge];
+        box.extend(scene.vertices[edge.start].point);
+        box.extend(scene.vertices[edge.end].point);
+      }
+    }
+  }
+  return box;
+}
+
+double Integration::size_of(const Scene& scene, std::span<const FaceId> faces) {
+  const Box3 box = vertex_box(scene, faces);
+  return box.isEmpty() ? 0.0 : box.sizes().norm();
+}
+
+}  // namespace
+
+Vec3 middle_of(const Scene& scene, std::span<const FaceId> faces) {
+  const Box3 box = vertex_box(scene, faces);
+  if (box.isEmpty() || !box.center().allFinite()) return Vec3::Zero();
+  return box.center();
+}
+
+SurfaceSums integrate_faces(const Scene& scene, std::span<const FaceId> faces, double relative_error) {
+  return Integration(scene, faces, relative_error).run();
+}
+
+double winding_number(const Scene& scene, std::span<const FaceId> faces, const Vec3& point) {
+  constexpr double kGoodEnough = 0.02;
+  double angle = 0.0;
+  const double share = kGoodEnough / static_cast<double>(std::max<std::size_t>(faces.size(), 1));
+  for (const FaceId face : faces) {
+    const FaceQuadrature quadrature(scene, face);
+    double value = quadrature.solid_angle(point, 0);
+    for (int level = 1; level <= kMaxLevel && quadrature.cost(level) <= 0.1 * kMaxCost; ++level) {
+      const double finer = quadrature.solid_angle(point, level);
+      const double change = std::abs(finer - value);
+      value = finer;
+      if (change <= 4.0 * kPi * share) break;
+    }
+    angle += value;
+  }
+  return angle / (4.0 * kPi);
+}
+
+}  // namespace lamella

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <vector>
+
+#include "model/bspline.h"
+#include "model/evaluate.h"
+#include "model/surface.h"
+
+/// Points and first derivatives along one line u = const of a surface, many at once for quadrature.
+namespace lamella {
+
+/// For the analytic surfaces.
+class AnalyticLine {
+ public:
+  explicit AnalyticLine(const Surface& surface) : surface_(surface) {}
+
+  /// The places v that at_node() knows.
+  void set_nodes(std::vector<double> nodes) { nodes_ = std::move(nodes); }
+  void set_u(double u) { u_ = u; }
+  [[nodiscard]] SurfacePoint at(double v) const { return evaluate(surface_, Vec2(u_, v)); }
+  [[nodiscard]] SurfacePoint at_node(std::size_t i) const { return at(nodes_[i]); }
+
+ private:
+  const Surface& surface_;
+  std::vector<double> nodes_;
+  double u_ = 0.0;
+};
+
+/// For B-spline surfaces: the net is contracted to a curve once per u, and the B-splines in v are kept at the nodes, so
+/// that a point costs one sum of degree_v + 1 terms.
+class SplineLine {
+ public:
+  explicit SplineLine(const BSplineSurface& surface);
+
+  void set_nodes(const std::vector<double>& nodes);
+  void set_u(double u);
+  [[nodiscard]] SurfacePoint at(double v) const;
+  [[nodiscard]] SurfacePoint at_node(std::size_t i) const;
+
+ private:
+  [[nodiscard]] SurfacePoint combine(int first, const double* value, const double* slope) const;
+
+  const BSplineSurface& surface_;
+  std::vector<Vec4> net_;       ///< (w x, w y, w z, w), laid out as the poles
+  std::vector<Vec4> column_;    ///< poles of the curve v -> S(u, v), homogeneous
+  std::vector<Vec4> column_u_;  ///< of its derivative by u
+  std::vector<int> first_;      ///< per node: first pole
+  std::vector<double> basis_;   ///< per node: degree_v + 1 values, then as many slopes
+};
+
+}  // namespace lamella
