@@ -18,6 +18,8 @@ constexpr double kLayersByDefault = 500.0;
 constexpr std::int64_t kMaxVoxels = std::numeric_limits<std::int32_t>::max();
 /// Rows and layers are held in memory, one number each; 1e7 of them is 10 m at 1 um.
 constexpr std::int64_t kMaxLines = 10'000'000;
+/// A thousand kilometres in mm: beyond it, products of coordinates are of no use to anyone downstream.
+constexpr double kFarthest = 1e9;
 
 const char* axis_name(int axis) {
   constexpr const char* kNames[] = {"x", "y", "z"};
@@ -94,8 +96,12 @@ std::int64_t count_voxels(int axis, double origin, double upper, double pitch) {
                          std::to_string(limit),
                      {}, "choose a coarser pitch or layer height");
   }
-  // Half a pitch must move every coordinate of the lattice, with a few bits to spare.
   const double far = std::max(std::abs(origin), std::abs(origin + count * pitch));
+  if (!(far <= kFarthest)) {
+    throw UsageError(std::string("the lattice reaches too far along ") + axis_name(axis) + ": " + show(far) + " mm", {},
+                     "check the units, the origin and the pitch");
+  }
+  // Half a pitch must move every coordinate of the lattice, with a few bits to spare.
   if (!(pitch > 64.0 * std::numeric_limits<double>::epsilon() * far)) {
     throw UsageError(
         std::string("the pitch along ") + axis_name(axis) + " is lost in rounding at coordinate " + show(far), {},
