@@ -18,6 +18,10 @@ constexpr double kBorderSlack = 1e-10;
 constexpr double kBorderRoot = 1e-6;
 /// F1, F2 varying by fewer rounding errors than this over a cell: nothing more can be learned from splitting it.
 constexpr double kResolution = 8.0;
+/// A cell is narrowed to its Krawczyk box and this much more, so that the root comes to lie inside the next cell.
+constexpr double kInflation = 0.02;
+/// Decided roots of one sense nearer than this, in parameters, are one that lies on a border shared by two cells.
+constexpr double kSameRoot = 1e-9;
 constexpr int kMaxNewton = 16;
 
 struct MinMax {
@@ -114,7 +118,8 @@ void CertifiedSolver::solve(const PlaneNets& nets, double accuracy, std::vector<
   g1_.resize(size_);
   g2_.resize(size_);
   undecided_.clear();
-  cells_.assign(1, {0.0, 1.0, 0.0, 1.0, nets.error});
+  roots.clear();
+  cells_.assign(1, {0.0, 1.0, 0.0, 1.0, nets.error, false});
   nets_.resize(std::max(nets_.size(), 2 * size_ * 2));
   std::copy(nets.f1.begin(), nets.f1.end(), f1(0));
   std::copy(nets.f2.begin(), nets.f2.end(), f2(0));
@@ -152,7 +157,13 @@ CertifiedSolver::Verdict CertifiedSolver::examine(const PlaneNets& nets, double 
   if (excludes_zero(range1, error)) return Verdict::empty;
   const MinMax range2 = min_max(f2(top), size_);
   if (excludes_zero(range2, error)) return Verdict::empty;
-  if (std::max(range1.hi - range1.lo, range2.hi - range2.lo) <= kResolution * error) return Verdict::undecided;
+  if (std::max(range1.hi - range1.lo, range2.hi - range2.lo) <= kResolution * error) {
+    // Every point of the cell is a zero within rounding; if it may hold one only, that is a decided one.
+    const Cell& cell = cells_[top];
+    const bool found = cell.single && polish(nets, accuracy, cell, 1.0, 0.5 * (cell.u0 + cell.u1),
+                                             0.5 * (cell.v0 + cell.v1), roots);
+    return found ? Verdict::root : Verdict::undecided;
+  }
   double error1 = 0.0;
   double error2 = 0.0;
   if (!precondition(error1, error2)) return Verdict::split;
@@ -222,8 +233,11 @@ CertifiedSolver::Verdict CertifiedSolver::prove(const PlaneNets& nets, double ac
     // A proved root that Newton can't reach to the accuracy: as doubtful as a tangency.
     return inside ? Verdict::undecided : Verdict::empty;
   }
-  const Range cu{std::clamp(ku.lo, 0.0, 1.0), std::clamp(ku.hi, 0.0, 1.0)};
-  const Range cv{std::clamp(kv.lo, 0.0, 1.0), std::clamp(kv.hi, 0.0, 1.0)};
+  const auto inflated = [](Range k) {
+    return Range{std::clamp(k.lo - kInflation, 0.0, 1.0), std::clamp(k.hi + kInflation, 0.0, 1.0)};
+  };
+  const Range cu = inflated(ku);
+  const Range cv = inflated(kv);
   if ((cu.hi - cu.lo) * (cv.hi - cv.lo) > 0.5) return Verdict::split;
   contract(cu, cv);
   return Verdict::contracted;
@@ -255,7 +269,12 @@ bool CertifiedSolver::polish(const PlaneNets& nets, double accuracy, const Cell&
   const double slack_v = kBorderSlack + slack * (cell.v1 - cell.v0);
   if (best_u < cell.u0 - slack_u || best_u > cell.u1 + slack_u) return false;
   if (best_v < cell.v0 - slack_v || best_v > cell.v1 + slack_v) return false;
-  roots.push_back({best_u, best_v, 0.0, 0.0, false, determinant > 0.0});
+  const PatchRoot root{best_u, best_v, 0.0, 0.0, false, determinant > 0.0};
+  const auto is_same = [&](const PatchRoot& other) {
+    return !other.undecided && other.enters == root.enters && std::abs(other.u - root.u) < kSameRoot &&
+           std::abs(other.v - root.v) < kSameRoot;
+  };
+  if (std::none_of(roots.begin(), roots.end(), is_same)) roots.push_back(root);
   return true;
 }
 
@@ -292,7 +311,7 @@ void CertifiedSolver::contract(Range ku, Range kv) {
   const double width_u = cell.u1 - cell.u0;
   const double width_v = cell.v1 - cell.v0;
   cell = {cell.u0 + width_u * ku.lo, cell.u0 + width_u * ku.hi, cell.v0 + width_v * kv.lo, cell.v0 + width_v * kv.hi,
-          cell.error};
+          cell.error, true};
 }
 
 /// Halves the last cell where F1 and F2 vary more, so that a ray that runs along the surface for a while costs one
@@ -348,7 +367,7 @@ void CertifiedSolver::report_undecided(const Cell& cell) {
     return;
   }
   *found = {std::min(found->u0, cell.u0), std::max(found->u1, cell.u1), std::min(found->v0, cell.v0),
-            std::max(found->v1, cell.v1), cell.error};
+            std::max(found->v1, cell.v1), cell.error, false};
 }
 
 }  // namespace lamella::reference

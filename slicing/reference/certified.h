@@ -16,7 +16,7 @@ namespace lamella::reference {
 /// in docs/methods/reference-engine.md.
 class CertifiedSolver {
  public:
-  /// Appends the roots on the unit square, widened by 1e-10, in no particular order; undecided boxes that touch are
+  /// Replaces `roots` by the roots on the unit square, widened by 1e-10, in no particular order; undecided boxes that touch are
   /// one. `accuracy` is the distance in mm from the ray at which Newton's iteration stops. `iterations` counts boxes.
   /// Work is bounded by kMaxBoxes; the rest is then reported as undecided.
   void solve(const PlaneNets& nets, double accuracy, std::vector<PatchRoot>& roots, std::uint64_t& iterations);
@@ -26,7 +26,8 @@ class CertifiedSolver {
  private:
   struct Cell {
     double u0, u1, v0, v1;
-    double error;  ///< of the coefficients of this cell
+    double error;         ///< of the coefficients of this cell
+    bool single = false;  ///< proved to hold at most one zero
   };
   struct Range {
     double lo, hi;
