@@ -118,11 +118,12 @@ std::vector<double> periodic_knots(int count, int degree) {
   return knots;
 }
 
-Point SplineCurve::point(double t) const {
+SplineCurve::Frame SplineCurve::frame(double t) const {
   const int s = span_of(knots, degree, t);
   std::vector<Vec4> d(degree + 1);
   for (int i = 0; i <= degree; ++i) d[i] = lifted(poles[s - degree + i], weight_at(weights, s - degree + i));
-  return projected(de_boor(knots, degree, d, s, t).value);
+  const Jet jet = de_boor(knots, degree, d, s, t);
+  return {projected(jet.value), projected_derivative(jet.value, jet.derivative)};
 }
 
 std::vector<double> SplineCurve::breaks() const { return distinct(knots, degree); }

@@ -25,7 +25,11 @@ struct SplineCurve {
   std::vector<Point> poles;
   std::vector<double> weights;  ///< empty: all 1
 
-  [[nodiscard]] Point point(double t) const;
+  struct Frame {
+    Point point, slope;
+  };
+  [[nodiscard]] Frame frame(double t) const;
+  [[nodiscard]] Point point(double t) const { return frame(t).point; }
   [[nodiscard]] std::vector<double> breaks() const;  ///< distinct knots within the valid range
 };
 
