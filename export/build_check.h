@@ -1,15 +1,23 @@
 #pragma once
 
+#include <string>
+
 #include "slicing/layer_sink.h"
 
 namespace lamella {
 
-/// Throws ExportError unless the grid has a positive finite pitch, a finite origin and 1 to 2^31 - 1 voxels a side.
-/// Exporters size their buffers by it, so they call it first.
-void check_build(const BuildInfo& info);
+/// What is wrong with a build, empty if nothing: the grid must have a positive finite pitch, a finite origin and 1 to
+/// 2^31 - 1 voxels a side, the planned layers finite heights, each solid a known material.
+/// Exporters size their buffers by these, so they ask first.
+[[nodiscard]] std::string find_build_fault(const BuildInfo& info);
 
-/// Throws ExportError unless the layer belongs to the build: one raster row per grid row, offsets in order, a known
-/// material and solid in every segment. Exporters index by these without another look.
+/// What is wrong with a layer of a build, empty if nothing: its heights must be those of the plan, it has one raster
+/// row per grid row, and every row's segments are finite, ascending and disjoint with a known material and solid.
+/// Exporters index by these without another look.
+[[nodiscard]] std::string find_layer_fault(const Layer& layer, const BuildInfo& info);
+
+/// The same as an ExportError.
+void check_build(const BuildInfo& info);
 void check_layer(const Layer& layer, const BuildInfo& info);
 
 }  // namespace lamella

@@ -1,0 +1,17 @@
+#pragma once
+
+#include "export/xml_stream.h"
+#include "export/xml_writer.h"
+#include "slicing/layer_sink.h"
+
+/// The parts of schemas/slices.xsd around the layers, each written and read: <header> and <report>.
+namespace lamella::slices_xml {
+
+void write_header(XmlWriter& xml, const BuildInfo& info);
+[[nodiscard]] BuildInfo read_header(XmlStream& xml);
+
+void write_report(XmlWriter& xml, const SliceReport& report);
+/// Ids are checked against `info`.
+[[nodiscard]] SliceReport read_report(XmlStream& xml, const BuildInfo& info);
+
+}  // namespace lamella::slices_xml
