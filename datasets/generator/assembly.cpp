@@ -1,5 +1,8 @@
 #include "datasets/generator/assembly.h"
 
+#include <cmath>
+#include <cstdio>
+
 namespace lamella::datasets {
 namespace {
 
@@ -20,6 +23,13 @@ int DataSet::add(Part part) {
   node.part = define(std::move(part));
   root.children.push_back(std::move(node));
   return root.children.back().part;
+}
+
+std::string hex(const Rgb& color) {
+  char buffer[8];
+  std::snprintf(buffer, sizeof buffer, "#%02x%02x%02x", static_cast<int>(std::lround(color[0] * 255)),
+                static_cast<int>(std::lround(color[1] * 255)), static_cast<int>(std::lround(color[2] * 255)));
+  return buffer;
 }
 
 std::vector<int> walk(const DataSet& set) {

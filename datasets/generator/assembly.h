@@ -47,6 +47,12 @@ struct Overlap {
   Truth volume;
 };
 
+/// An instance that is placed by a mirror image in x and then a shift, in mm.
+struct Mirror {
+  std::string instance;
+  std::array<double, 3> shift;
+};
+
 struct DataSet {
   std::string name;
   std::string description;
@@ -54,12 +60,16 @@ struct DataSet {
   std::vector<Part> parts;
   Node root;
   std::vector<Overlap> overlaps;
+  std::vector<Mirror> mirrored{};
 
   /// Adds a part and one instance of it under the root; returns the part's index.
   int add(Part part);
   /// Adds a part without an instance.
   int define(Part part);
 };
+
+/// "#rrggbb"
+[[nodiscard]] std::string hex(const Rgb& color);
 
 /// Part index of each solid in the order of the assembly walk.
 [[nodiscard]] std::vector<int> walk(const DataSet& set);

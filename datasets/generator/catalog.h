@@ -17,6 +17,7 @@ namespace lamella::datasets {
 [[nodiscard]] DataSet bone_screw();
 [[nodiscard]] DataSet mould_insert();
 [[nodiscard]] DataSet lattice_in_shell();
+[[nodiscard]] DataSet mirrored_brackets();
 [[nodiscard]] DataSet turbine_blade_16();
 [[nodiscard]] DataSet housing_102();
 [[nodiscard]] DataSet impeller_135();

@@ -6,9 +6,21 @@
 
 #include "datasets/generator/catalog.h"
 #include "datasets/generator/manifest.h"
+#include "datasets/generator/materials_file.h"
 #include "datasets/generator/step_file.h"
 
-/// lamella_datasets FOLDER: writes FOLDER/<name>/<name>.step for every data set, and FOLDER/manifest.json.
+namespace {
+
+void write_text(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream out(path, std::ios::binary);
+  out << text;
+  if (!out.flush()) throw std::runtime_error("can't write " + path.string());
+}
+
+}  // namespace
+
+/// lamella_datasets FOLDER: writes FOLDER/<name>/<name>.step and materials.xml for every data set, and
+/// FOLDER/manifest.json.
 int main(int argc, char** argv) {
   using namespace lamella::datasets;
   if (argc != 2) {
@@ -22,10 +34,9 @@ int main(int argc, char** argv) {
     for (const DataSet& set : sets) {
       std::filesystem::create_directories(folder / set.name);
       write_step(set, folder / set.name / (set.name + ".step"));
+      write_text(folder / set.name / "materials.xml", materials_xml(set));
     }
-    std::ofstream manifest(folder / "manifest.json");
-    manifest << manifest_json(sets);
-    if (!manifest.flush()) throw std::runtime_error("can't write " + (folder / "manifest.json").string());
+    write_text(folder / "manifest.json", manifest_json(sets));
   } catch (const std::exception& error) {
     std::cerr << "lamella_datasets: error: " << error.what() << '\n';
     return 4;

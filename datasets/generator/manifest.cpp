@@ -4,7 +4,6 @@
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
 #include <BRep_Tool.hxx>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 namespace lamella::datasets {
@@ -33,13 +32,6 @@ ordered_json truth_json(const Truth& truth) {
   return {{"volume", truth.value}, {"method", truth.method}, {"relative_bound", truth.bound}};
 }
 
-std::string hex(const Rgb& color) {
-  char buffer[8];
-  std::snprintf(buffer, sizeof buffer, "#%02x%02x%02x", static_cast<int>(std::lround(color[0] * 255)),
-                static_cast<int>(std::lround(color[1] * 255)), static_cast<int>(std::lround(color[2] * 255)));
-  return buffer;
-}
-
 ordered_json solid_json(const Part& part, std::size_t id) {
   const FaceCounts counts = count_faces(part.shape);
   ordered_json solid{{"id", id}, {"name", part.name}, {"color", hex(part.material.color)},
@@ -53,7 +45,8 @@ ordered_json solid_json(const Part& part, std::size_t id) {
 
 ordered_json set_json(const DataSet& set) {
   ordered_json result{{"name", set.name}, {"file", set.name + "/" + set.name + ".step"},
-                      {"description", set.description}, {"unit", set.unit}};
+                      {"description", set.description}, {"unit", set.unit},
+                      {"materials", set.name + "/materials.xml"}};
   ordered_json solids = ordered_json::array(), overlaps = ordered_json::array();
   for (const int part : walk(set)) solids.push_back(solid_json(set.parts[part], solids.size()));
   for (const Overlap& o : set.overlaps) {

@@ -16,11 +16,11 @@
 #include <XCAFDoc_DocumentTool.hxx>
 #include <XCAFDoc_MaterialTool.hxx>
 #include <XCAFDoc_ShapeTool.hxx>
-#include <cstdio>
 #include <fstream>
-#include <regex>
 #include <sstream>
 #include <stdexcept>
+
+#include "datasets/generator/step_text.h"
 
 namespace lamella::datasets {
 namespace {
@@ -86,34 +86,6 @@ void set_header(STEPControl_Writer& writer, const DataSet& set) {
   header.SetDescriptionValue(1, text(set.description));
 }
 
-/// The UTF-8 sequence at `at`, which is moved past it.
-unsigned code_point(const std::string& utf8, std::size_t& at) {
-  const auto lead = static_cast<unsigned char>(utf8[at++]);
-  const int more = lead >= 0xF0 ? 3 : lead >= 0xE0 ? 2 : 1;
-  unsigned value = lead & (0x3Fu >> more);
-  for (int i = 0; i < more; ++i) value = value << 6 | (static_cast<unsigned char>(utf8.at(at++)) & 0x3Fu);
-  return value;
-}
-
-/// Runs of non-ASCII characters as \X2\....\X0\, four hex digits each (all our names lie in the basic plane).
-std::string part21_text(const std::string& utf8) {
-  std::string result;
-  bool wide = false;
-  for (std::size_t at = 0; at < utf8.size();) {
-    const bool ascii = static_cast<unsigned char>(utf8[at]) < 0x80;
-    if (ascii == wide) result += wide ? "\\X0\\" : "\\X2\\";
-    wide = !ascii;
-    if (ascii) {
-      result += utf8[at++];
-    } else {
-      char digits[8];
-      std::snprintf(digits, sizeof digits, "%04X", code_point(utf8, at));
-      result += digits;
-    }
-  }
-  return result;
-}
-
 std::string read_all(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   std::ostringstream out;
@@ -136,17 +108,11 @@ void write_step(const DataSet& set, const std::filesystem::path& path) {
   if (!writer.Transfer(document.handle(), STEPControl_AsIs)) throw std::runtime_error(set.name + ": transfer failed");
   set_header(writer.ChangeWriter(), set);
   if (writer.Write(path.c_str()) != IFSelect_RetDone) throw std::runtime_error("can't write " + path.string());
-  const std::string fixed = normalised(read_all(path));
+  std::string fixed = normalised(read_all(path));
+  for (const Mirror& m : set.mirrored) fixed = with_mirrored_instance(fixed, m.instance, m.shift);
   std::ofstream out(path, std::ios::binary | std::ios::trunc);
   out << fixed;
   if (!out.flush()) throw std::runtime_error("can't write " + path.string());
-}
-
-std::string normalised(const std::string& step_text) {
-  static const std::regex grams(R"(DERIVED_UNIT_ELEMENT\((#\d+),3\.\))");
-  static const std::regex centimetres(R"(DERIVED_UNIT_ELEMENT\((#\d+),2\.\))");
-  const std::string fixed = std::regex_replace(step_text, grams, "DERIVED_UNIT_ELEMENT($1,1.)");
-  return part21_text(std::regex_replace(fixed, centimetres, "DERIVED_UNIT_ELEMENT($1,-3.)"));
 }
 
 }  // namespace lamella::datasets

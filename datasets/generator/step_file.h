@@ -10,8 +10,4 @@ namespace lamella::datasets {
 /// std::runtime_error when OpenCASCADE refuses or the file can't be written.
 void write_step(const DataSet& set, const std::filesystem::path& path);
 
-/// What OpenCASCADE writes, made exact: names in ISO 10303-21 encoding instead of raw UTF-8, densities in g/cm^3
-/// with the exponents 1 and -3 instead of the 3 and 2 it writes.
-[[nodiscard]] std::string normalised(const std::string& step_text);
-
 }  // namespace lamella::datasets
