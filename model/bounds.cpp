@@ -10,6 +10,7 @@
 #include "model/curve_extrema.h"
 #include "model/evaluate.h"
 #include "model/extremum_search.h"
+#include "model/iso_line.h"
 #include "model/measure.h"
 #include "model/rational_form.h"
 #include "model/trim.h"
@@ -94,8 +95,32 @@ class InteriorBounds {
     }
   }
 
-  void add(const BSplineSurface&) { search(); }
-  void add(const FittedSurface&) { search(); }
+  void add(const BSplineSurface& surface) {
+    add_creases(surface);
+    search();
+  }
+  void add(const FittedSurface& surface) { add(surface.fit); }
+
+  /// Along knots of full multiplicity the surface may have a crease, with an extremum of no stationary point.
+  void add_creases(const BSplineSurface& surface) {
+    if (region_.bounds().isEmpty()) return;
+    for (const bool along_v : {true, false}) {
+      const Vec2 lo = region_.bounds().min();
+      const Vec2 hi = region_.bounds().max();
+      const Interval across = along_v ? Interval{lo.x(), hi.x()} : Interval{lo.y(), hi.y()};
+      const Interval along = along_v ? Interval{lo.y(), hi.y()} : Interval{lo.x(), hi.x()};
+      for (const double knot : crease_knots(surface, along_v, across)) {
+        const Curve3 crease = iso_curve(surface, along_v, knot);
+        for (int axis = 0; axis < 3; ++axis) {
+          const Interval known{result_.box.min()[axis], result_.box.max()[axis]};
+          for (const double t : critical_parameters(crease, along, Vec3::Unit(axis), &known)) {
+            if (known.contains(evaluate<3>(crease, t).point[axis])) continue;
+            try_point(along_v ? Vec2(knot, t) : Vec2(t, knot), axis);
+          }
+        }
+      }
+    }
+  }
 
   static Vec3 local(const Frame& frame, int axis) { return {frame.x[axis], frame.y[axis], frame.z[axis]}; }
 

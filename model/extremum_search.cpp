@@ -84,6 +84,37 @@ std::pair<Cell, Cell> halve(const Cell& cell) {
   return halves;
 }
 
+/// True if the derivative of f = F / w along one parameter, stepping `stride` through the net, is positive throughout
+/// or negative throughout. With G = F - c w, c a value of f, it is (G' w - G w') / w^2, and G is small in a small cell.
+bool keeps_sign(const Cell& cell, bool along_u, double c) {
+  const int stride = cell.degree_v + 1;
+  const int step = along_u ? stride : 1;
+  double lo = std::numeric_limits<double>::infinity();
+  double hi = -lo, size = 0.0, slope = 0.0;
+  double weight_lo = lo;
+  for (int i = 0; i <= cell.degree_u; ++i) {
+    for (int j = 0; j <= cell.degree_v; ++j) {
+      const Vec2& p = cell.net[i * stride + j];
+      size = std::max(size, std::abs(p[0] - c * p[1]));
+      weight_lo = std::min(weight_lo, p[1]);
+      if ((along_u ? i : j) == 0) continue;
+      const Vec2 d = p - cell.net[i * stride + j - step];
+      lo = std::min(lo, d[0] - c * d[1]);
+      hi = std::max(hi, d[0] - c * d[1]);
+      slope = std::max(slope, std::abs(d[1]));
+    }
+  }
+  // Rounding of the differences: a few ulp of the coordinates.
+  const double margin = size * slope / weight_lo + 1e-14 * (std::abs(c) + size);
+  return lo > margin || hi < -margin;
+}
+
+/// Such a cell has no stationary point, so no maximum of the face but one on the border, which is known.
+bool is_monotone(const Cell& cell) {
+  const double c = 0.5 * (cell.bound + cell.floor);
+  return keeps_sign(cell, true, c) || keeps_sign(cell, false, c);
+}
+
 double corner_value(const Cell& cell, bool high_u, bool high_v) {
   const int stride = cell.degree_v + 1;
   const Vec2& p = cell.net[(high_u ? cell.degree_u : 0) * stride + (high_v ? cell.degree_v : 0)];
@@ -104,6 +135,7 @@ class Search {
       const Cell cell = queue_.top();
       queue_.pop();
       if (!worth(cell, false)) break;  // none of the rest is better
+      if (is_monotone(cell)) continue;
       if (boxes >= limits_.max_boxes) return {best_, false};
       examine(cell);
     }

@@ -19,8 +19,9 @@ struct Extremum {
 };
 
 /// Largest value of direction . S over the part of the nets inside `region`, at least `known` (the largest value
-/// found on the border): branch and bound, best box first. A patch can't exceed its control net (weights > 0), so what
-/// can't beat the value found is dropped.
+/// found on the border and along lines where the surface has a crease): branch and bound, best box first. A patch can't
+/// exceed its control net (weights > 0), so what can't beat the value found is dropped, and so is what has no
+/// stationary point by the signs of the net's differences.
 [[nodiscard]] Extremum find_maximum(const RationalForm& form, const TrimRegion& region, const Vec3& direction,
                                     double known, const ExtremumLimits& limits);
 

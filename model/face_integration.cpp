@@ -24,7 +24,7 @@ constexpr double kRounding = 1e-14;
 class FaceEstimate {
  public:
   FaceEstimate(const Scene& scene, FaceId face, const Vec3& reference)
-      : quadrature_(scene, face), reference_(reference), value_(quadrature_.integrate(reference, 0)) {
+      : face_(face), quadrature_(scene, face), reference_(reference), value_(quadrature_.integrate(reference, 0)) {
     refine();
   }
 
@@ -38,12 +38,14 @@ class FaceEstimate {
     abs_error_ = (value_.abs_normal_area - coarse.abs_normal_area).cwiseAbs().maxCoeff();
   }
 
+  [[nodiscard]] FaceId face() const { return face_; }
   [[nodiscard]] const FaceIntegrals& value() const { return value_; }
   [[nodiscard]] double volume_error() const { return volume_error_; }
   [[nodiscard]] double area_error() const { return area_error_; }
   [[nodiscard]] double abs_error() const { return abs_error_; }
 
  private:
+  FaceId face_;
   FaceQuadrature quadrature_;
   Vec3 reference_;
   int level_ = 0;
@@ -96,6 +98,7 @@ class Integration {
       sums.volume += face.value().flux;
       sums.area += std::abs(face.value().area);
       sums.abs_normal_area += face.value().abs_normal_area.cwiseAbs();
+      if (face.value().area < 0.0) sums.contradictory.push_back(face.face());
     }
     return sums;
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "model/scene.h"
 
@@ -13,6 +14,7 @@ struct SurfaceSums {
   Vec3 abs_normal_area = Vec3::Zero();  ///< mm^2
   double volume_error = 0.0;            ///< estimated, mm^3
   bool converged = true;                ///< every face finite, and the errors within what was asked
+  std::vector<FaceId> contradictory;    ///< faces whose loops run the wrong way round for their orientation
 };
 
 /// Refines face by face until the estimated errors of volume and area are below `relative_error` of their values, those

@@ -46,7 +46,7 @@ double step_of(const Curve3& curve) {
 /// and rational surfaces.
 int spline_nodes(int degree) { return std::max(8, (3 * degree + 1) / 2); }
 
-int parts(double length, double step) {
+int panel_count(double length, double step) {
   if (!(step > 0.0) || !std::isfinite(length)) return 1;
   return static_cast<int>(std::clamp(std::ceil(length / step - 1e-9), 1.0, 256.0));
 }
@@ -72,12 +72,20 @@ struct SolidAngleIntegrand {
   }
 };
 
-/// H(u, v) = integral of F(u, s) ds from the first panel's start to v, panels halved `level` times.
+/// Level 0 takes fewer nodes, level 1 all of them, each further level halves the panels.
+int nodes_at(int level, int nodes) { return level > 0 ? nodes : (3 * nodes + 4) / 5; }
+int parts_at(int level) { return level > 1 ? 1 << (level - 1) : 1; }
+
+/// H(u, v) = integral of F(u, s) ds from the first panel's start to v.
 template <class Sums, class Line, class Integrand>
 class InnerIntegral {
  public:
   InnerIntegral(Line& line, const Integrand& integrand, const std::vector<double>& panels, int level, int nodes)
-      : line_(line), integrand_(integrand), panels_(panels), halves_(1 << level), rule_(gauss_legendre(nodes)) {
+      : line_(line),
+        integrand_(integrand),
+        panels_(panels),
+        parts_(parts_at(level)),
+        rule_(gauss_legendre(nodes_at(level, nodes))) {
     std::vector<double> places;
     for (std::size_t p = 0; p + 1 < panels.size(); ++p) {
       visit(panels[p], panels[p + 1], [&](double v, double) { places.push_back(v); });
@@ -104,10 +112,10 @@ class InnerIntegral {
   /// Calls `use(place, weight)` for every node between lo and hi.
   template <class Use>
   void visit(double lo, double hi, const Use& use) const {
-    const double width = (hi - lo) / halves_;
-    for (int half = 0; half < halves_; ++half) {
+    const double width = (hi - lo) / parts_;
+    for (int part = 0; part < parts_; ++part) {
       for (std::size_t k = 0; k < rule_.nodes.size(); ++k) {
-        use(lo + (half + rule_.nodes[k]) * width, rule_.weights[k] * width);
+        use(lo + (part + rule_.nodes[k]) * width, rule_.weights[k] * width);
       }
     }
   }
@@ -115,7 +123,7 @@ class InnerIntegral {
   Line& line_;
   const Integrand& integrand_;
   const std::vector<double>& panels_;
-  int halves_;
+  int parts_;
   const GaussRule& rule_;
 };
 
@@ -197,7 +205,7 @@ void FaceQuadrature::set_panels() {
   panels_v_ = {bounds_.min().y()};
   panels_v_.insert(panels_v_.end(), knots_v_.begin(), knots_v_.end());
   const double length = bounds_.sizes().y();
-  const int count = parts(length, step_.y());
+  const int count = panel_count(length, step_.y());
   for (int i = 1; i < count; ++i) panels_v_.push_back(bounds_.min().y() + length * i / count);
   panels_v_.push_back(bounds_.max().y());
   std::sort(panels_v_.begin(), panels_v_.end());
@@ -222,7 +230,7 @@ std::vector<double> FaceQuadrature::crossings(const BezierCurve2& piece) const {
       if (cuts.size() > kMaxStrips) return cuts;
     }
   }
-  const int count = std::max(parts(box.sizes().x(), step_.x()), parts(box.sizes().y(), step_.y()));
+  const int count = std::max(panel_count(box.sizes().x(), step_.x()), panel_count(box.sizes().y(), step_.y()));
   for (int i = 1; i < count; ++i) cuts.push_back(static_cast<double>(i) / count);
   std::sort(cuts.begin(), cuts.end());
   return cuts;
@@ -267,14 +275,14 @@ double FaceQuadrature::parameter_area() const {
 
 template <class Sums, class Inner>
 Sums FaceQuadrature::integrate_border(Inner& inner, int level, int outer_nodes) const {
-  const GaussRule& rule = gauss_legendre(outer_nodes);
-  const int halves = 1 << level;
+  const GaussRule& rule = gauss_legendre(nodes_at(level, outer_nodes));
+  const int parts = parts_at(level);
   Sums sums = Sums::Zero();
   for (const Strip& strip : strips_) {
-    const double width = strip.s.length() / halves;
-    for (int half = 0; half < halves; ++half) {
+    const double width = strip.s.length() / parts;
+    for (int part = 0; part < parts; ++part) {
       for (std::size_t k = 0; k < rule.nodes.size(); ++k) {
-        const BorderPoint at = border_point(border_[strip.piece], strip.s.lo + (half + rule.nodes[k]) * width);
+        const BorderPoint at = border_point(border_[strip.piece], strip.s.lo + (part + rule.nodes[k]) * width);
         inner.set_u(at.uv.x());
         sums -= (rule.weights[k] * width * at.du) * inner(at.uv.y());
       }
@@ -313,7 +321,7 @@ double FaceQuadrature::cost(int level) const {
     const auto above = std::upper_bound(panels_v_.begin(), panels_v_.end(), v);
     cost += static_cast<double>(std::max<std::ptrdiff_t>(above - panels_v_.begin(), 1));
   }
-  return cost * inner_nodes_ * outer_nodes_ * std::exp2(2.0 * level);
+  return cost * nodes_at(level, inner_nodes_) * nodes_at(level, outer_nodes_) * parts_at(level) * parts_at(level);
 }
 
 }  // namespace lamella

@@ -22,7 +22,8 @@ struct FaceIntegrals {
 /// Quadrature over the trimmed (u, v) region D of a face by Green's theorem,
 ///   integral of F over D = - contour integral of H du over the border, H(u, v) = integral of F(u, s) ds from v0 to v,
 /// both by composite Gauss-Legendre rules whose panels end at the surface's knots; the border's pieces also end where
-/// they cross a knot line. Every level halves all panels. See docs/methods/measure.md.
+/// they cross a knot line. Level 0 takes three fifths of the nodes of level 1, every further level halves the panels,
+/// so that the difference of two levels estimates the error of the lower one. See docs/methods/measure.md.
 class FaceQuadrature {
  public:
   /// Throws GeometryError as TrimRegion does. The scene must outlive the object.

@@ -1,5 +1,7 @@
 #include "model/iso_line.h"
 
+#include <algorithm>
+
 namespace lamella {
 
 SplineLine::SplineLine(const BSplineSurface& surface)
@@ -64,6 +66,42 @@ SurfacePoint SplineLine::combine(int first, const double* value, const double* s
   const double w = point[3];
   const Vec3 place = point.head<3>() / w;
   return {place, (du.head<3>() - du[3] * place) / w, (dv.head<3>() - dv[3] * place) / w};
+}
+
+BSplineCurve<3> iso_curve(const BSplineSurface& surface, bool along_v, double at) {
+  const Basis basis = along_v ? evaluate_basis(surface.knots_u, surface.degree_u, at, 0)
+                              : evaluate_basis(surface.knots_v, surface.degree_v, at, 0);
+  BSplineCurve<3> curve;
+  curve.degree = along_v ? surface.degree_v : surface.degree_u;
+  curve.knots = along_v ? surface.knots_v : surface.knots_u;
+  const int count = along_v ? surface.count_v : surface.count_u;
+  const int terms = (along_v ? surface.degree_u : surface.degree_v) + 1;
+  for (int k = 0; k < count; ++k) {
+    Vec3 pole = Vec3::Zero();
+    double weight = 0.0;
+    for (int i = 0; i < terms; ++i) {
+      const std::size_t row = along_v ? basis.first + i : k;
+      const std::size_t index = row * surface.count_v + (along_v ? k : basis.first + i);
+      const double w = basis.derivative[0][i] * (surface.weights.empty() ? 1.0 : surface.weights[index]);
+      pole += w * surface.poles[index];
+      weight += w;
+    }
+    curve.poles.push_back(pole / weight);
+    if (!surface.weights.empty()) curve.weights.push_back(weight);
+  }
+  return curve;
+}
+
+std::vector<double> crease_knots(const BSplineSurface& surface, bool along_v, Interval range) {
+  const std::vector<double>& knots = along_v ? surface.knots_u : surface.knots_v;
+  const auto degree = static_cast<std::ptrdiff_t>(along_v ? surface.degree_u : surface.degree_v);
+  std::vector<double> creases;
+  for (auto first = knots.begin(); first != knots.end();) {
+    const auto last = std::upper_bound(first, knots.end(), *first);
+    if (last - first >= degree && *first > range.lo && *first < range.hi) creases.push_back(*first);
+    first = last;
+  }
+  return creases;
 }
 
 }  // namespace lamella

@@ -48,4 +48,10 @@ class SplineLine {
   std::vector<double> basis_;   ///< per node: degree_v + 1 values, then as many slopes
 };
 
+/// The curve v -> S(at, v), or u -> S(u, at) if not `along_v`.
+[[nodiscard]] BSplineCurve<3> iso_curve(const BSplineSurface& surface, bool along_v, double at);
+
+/// Knots strictly within `range` where the surface is only continuous: u-knots if `along_v`, else v-knots.
+[[nodiscard]] std::vector<double> crease_knots(const BSplineSurface& surface, bool along_v, Interval range);
+
 }  // namespace lamella
