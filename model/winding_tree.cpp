@@ -25,9 +25,11 @@ Vec2 project(const Vec3& point) { return point.head<2>() / point[2]; }
 
 double cross(const Vec2& a, const Vec2& b) { return a[0] * b[1] - a[1] * b[0]; }
 
-/// The strip along the chord of a net that holds all its control points.
+/// The strip along the chord of a net that holds all its control points. `low` and `high` are distances to the left of
+/// the chord times the chord's length: dividing would only round, and blur which side of a straight piece a point is
+/// on.
 struct Strip {
-  Vec2 direction;
+  Vec2 chord;
   double low = 0.0;
   double high = 0.0;
 };
@@ -35,11 +37,11 @@ struct Strip {
 Strip strip_of(const Vec3* net, int degree) {
   const Vec2 begin = project(net[0]);
   const Vec2 chord = project(net[degree]) - begin;
-  const double length = chord.norm();
+  const bool closed = chord.isZero(0.0);
   Strip strip;
-  strip.direction = length > 0.0 ? Vec2(chord / length) : Vec2::UnitX();
-  for (int i = 1; i < degree + (length > 0.0 ? 0 : 1); ++i) {
-    const double distance = cross(strip.direction, project(net[i]) - begin);
+  strip.chord = closed ? Vec2(Vec2::UnitX()) : chord;
+  for (int i = 1; i < degree; ++i) {
+    const double distance = cross(strip.chord, project(net[i]) - begin);
     strip.low = std::min(strip.low, distance);
     strip.high = std::max(strip.high, distance);
   }
@@ -52,9 +54,9 @@ Box2 box_of(const Vec3* net, int degree) {
   return box;
 }
 
-/// Half the extent of a box of half-widths `half`, across `direction`.
-double extent_across(const Vec2& direction, const Vec2& half) {
-  return std::abs(direction[1]) * half[0] + std::abs(direction[0]) * half[1];
+/// Half the extent of a box of half-widths `half` across `chord`, times the chord's length.
+double extent_across(const Vec2& chord, const Vec2& half) {
+  return std::abs(chord[1]) * half[0] + std::abs(chord[0]) * half[1];
 }
 
 /// +1 for a run that goes up past the level of `point`, -1 down, 0 when both ends are on the same side of it.
@@ -92,12 +94,12 @@ struct WindingTree::Query {
 
   /// Decides by the strip if it can: true when done. A strip within the rounding is a straight line, and then the
   /// separating axes of box and segment leave only the boundary.
-  [[nodiscard]] bool decide(const Vec2& direction, double low, double high, const Vec2& begin, const Vec2& end,
+  [[nodiscard]] bool decide(const Vec2& chord, double low, double high, const Vec2& begin, const Vec2& end,
                             const Vec2& rounding) {
     const bool straight = low == 0.0 && high == 0.0;
-    const double slack = straight ? 0.0 : extent_across(direction, rounding);
-    const double reach = extent_across(direction, tolerance) + slack;
-    const double side = cross(direction, point - begin);
+    const double slack = straight ? 0.0 : extent_across(chord, rounding);
+    const double reach = extent_across(chord, tolerance) + slack;
+    const double side = cross(chord, point - begin);
     if (side > high + reach || side < low - reach) {
       add_chord(begin, end, side > 0.0);
       return true;
@@ -125,10 +127,10 @@ void WindingTree::Query::bisect(const Vec3* net, int degree, const Vec2& roundin
       continue;
     }
     const Strip strip = strip_of(half.data(), degree);
-    if (decide(strip.direction, strip.low, strip.high, begin, end, rounding)) continue;
-    const bool thin = strip.high - strip.low <= extent_across(strip.direction, rounding);
+    if (decide(strip.chord, strip.low, strip.high, begin, end, rounding)) continue;
+    const bool thin = strip.high - strip.low <= extent_across(strip.chord, rounding);
     if (thin || halvings == 0) {
-      (void)decide(strip.direction, 0.0, 0.0, begin, end, rounding);
+      (void)decide(strip.chord, 0.0, 0.0, begin, end, rounding);
     } else {
       bisect(half.data(), degree, rounding, halvings - 1);
     }
@@ -157,7 +159,7 @@ void WindingTree::visit(int index, Query& query) const {
 
 void WindingTree::visit_leaf(const Node& node, Query& query) const {
   const Leaf& leaf = leaves_[node.leaf];
-  if (query.decide(leaf.direction, leaf.low, leaf.high, node.begin, node.end, rounding_)) return;
+  if (query.decide(leaf.chord, leaf.low, leaf.high, node.begin, node.end, rounding_)) return;
   query.bisect(&points_[leaf.first], leaf.degree, rounding_, kMaxHalvings);
 }
 
@@ -195,7 +197,7 @@ class WindingTree::Builder {
     const Strip strip = strip_of(net.data(), degree);
     const Vec2 begin = project(net.front());
     const Vec2 end = project(net.back());
-    if (depth > 0 && strip.high - strip.low > kLeafFlatness * (end - begin).norm()) {
+    if (depth > 0 && strip.high - strip.low > kLeafFlatness * strip.chord.squaredNorm()) {
       std::vector<Vec3> first = net;
       std::vector<Vec3> second = net;
       split_in_place(first.data(), second.data(), degree, 1, 0.5);
@@ -205,7 +207,7 @@ class WindingTree::Builder {
     }
     const int leaf = static_cast<int>(tree_.leaves_.size());
     const int offset = static_cast<int>(tree_.points_.size());
-    tree_.leaves_.push_back({offset, degree, strip.direction, strip.low, strip.high});
+    tree_.leaves_.push_back({offset, degree, strip.chord, strip.low, strip.high});
     tree_.points_.insert(tree_.points_.end(), net.begin(), net.end());
     run.push_back(add_node({box_of(net.data(), degree), begin, end, -1, -1, leaf}));
   }

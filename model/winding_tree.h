@@ -42,8 +42,8 @@ class WindingTree {
   struct Leaf {
     int first = 0;  ///< in points_
     int degree = 0;
-    Vec2 direction;    ///< unit vector along the chord
-    double low = 0.0;  ///< least and largest distance of the control points to the left of the chord
+    Vec2 chord;        ///< from begin to end, any direction if they coincide
+    double low = 0.0;  ///< least and largest distance of the control points to the left of the chord, times its length
     double high = 0.0;
   };
 
