@@ -154,7 +154,8 @@ void read_layer(const XmlElement& element, BuildFile& build) {
     entry.hatch_rows = count(element, "hatch_rows", std::numeric_limits<std::int32_t>::max());
     entry.hatch_segments = count(element, "hatch_segments");
   }
-  if (entry.has_hatch != build.info.plan.hatch.has_value()) refuse(element, "hatch rows disagree with the plan");
+  if (entry.has_hatch != element.has("hatch_segments") || entry.has_hatch != build.info.plan.hatch.has_value())
+    refuse(element, "hatch rows disagree with the plan");
   entry.sha256 = digest(element);
   build.info.plan.layers.push_back(span);
   build.layers.push_back(std::move(entry));
