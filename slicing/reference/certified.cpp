@@ -160,8 +160,8 @@ CertifiedSolver::Verdict CertifiedSolver::examine(const PlaneNets& nets, double 
   if (std::max(range1.hi - range1.lo, range2.hi - range2.lo) <= kResolution * error) {
     // Every point of the cell is a zero within rounding; if it may hold one only, that is a decided one.
     const Cell& cell = cells_[top];
-    const bool found = cell.single && polish(nets, accuracy, cell, 1.0, 0.5 * (cell.u0 + cell.u1),
-                                             0.5 * (cell.v0 + cell.v1), roots);
+    const bool found =
+        cell.single && polish(nets, accuracy, cell, 1.0, 0.5 * (cell.u0 + cell.u1), 0.5 * (cell.v0 + cell.v1), roots);
     return found ? Verdict::root : Verdict::undecided;
   }
   double error1 = 0.0;
@@ -310,8 +310,12 @@ void CertifiedSolver::contract(Range ku, Range kv) {
   cell.error += 4.0 * (count_u_ + count_v_) * kEpsilon * largest;
   const double width_u = cell.u1 - cell.u0;
   const double width_v = cell.v1 - cell.v0;
-  cell = {cell.u0 + width_u * ku.lo, cell.u0 + width_u * ku.hi, cell.v0 + width_v * kv.lo, cell.v0 + width_v * kv.hi,
-          cell.error, true};
+  cell = {cell.u0 + width_u * ku.lo,
+          cell.u0 + width_u * ku.hi,
+          cell.v0 + width_v * kv.lo,
+          cell.v0 + width_v * kv.hi,
+          cell.error,
+          true};
 }
 
 /// Halves the last cell where F1 and F2 vary more, so that a ray that runs along the surface for a while costs one
@@ -366,8 +370,12 @@ void CertifiedSolver::report_undecided(const Cell& cell) {
     undecided_.push_back(cell);
     return;
   }
-  *found = {std::min(found->u0, cell.u0), std::max(found->u1, cell.u1), std::min(found->v0, cell.v0),
-            std::max(found->v1, cell.v1), cell.error, false};
+  *found = {std::min(found->u0, cell.u0),
+            std::max(found->u1, cell.u1),
+            std::min(found->v0, cell.v0),
+            std::max(found->v1, cell.v1),
+            cell.error,
+            false};
 }
 
 }  // namespace lamella::reference

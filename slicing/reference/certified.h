@@ -16,9 +16,9 @@ namespace lamella::reference {
 /// in docs/methods/reference-engine.md.
 class CertifiedSolver {
  public:
-  /// Replaces `roots` by the roots on the unit square, widened by 1e-10, in no particular order; undecided boxes that touch are
-  /// one. `accuracy` is the distance in mm from the ray at which Newton's iteration stops. `iterations` counts boxes.
-  /// Work is bounded by kMaxBoxes; the rest is then reported as undecided.
+  /// Replaces `roots` by the roots on the unit square, widened by 1e-10, in no particular order; undecided boxes that
+  /// touch are one. `accuracy` is the distance in mm from the ray at which Newton's iteration stops. `iterations`
+  /// counts boxes. Work is bounded by kMaxBoxes; the rest is then reported as undecided.
   void solve(const PlaneNets& nets, double accuracy, std::vector<PatchRoot>& roots, std::uint64_t& iterations);
 
   static constexpr int kMaxBoxes = 6000;

@@ -17,6 +17,11 @@ constexpr std::array kZoneSteps{1.5, 3.0, 6.0, 12.0};
 /// Directions of those steps in (up, up x direction): none along an axis, where edges like to run.
 constexpr std::array<std::array<double, 2>, 4> kZoneDirections{{{1.0, 0.3}, {-0.3, 1.0}, {-1.0, -0.3}, {0.3, -1.0}}};
 
+/// A crossing found on a moved ray may be put back by the step times this over |n.d|: contacts up to this order.
+constexpr double kMaxContact = 8.0;
+/// And never by more than this share of the solid's size.
+constexpr double kMaxMove = 0.1;
+
 /// How far one cast can be trusted, best first.
 enum class Grade { clean, doubtful, broken };
 
@@ -108,9 +113,10 @@ void put_back(const SolidModel& model, const Ray& ray, const Vec3& offset, std::
     Vec2 uv = crossing.uv;
     double t = crossing.t;
     if (!model.refine_crossing(ray, crossing.face, uv, t)) continue;
-    // Newton must not have gone to another sheet: a crossing moves by step / |n.d|, which near a tangency may be as
-    // much as sqrt(step * size).
-    if (std::abs(t - crossing.t) > 4.0 * std::sqrt(step * model.size())) continue;
+    // Newton must not have gone to another sheet. A crossing moves by step / |n.d|; where the ray itself touches the
+    // face with a contact of order p, x^p = c step and |n.d| = p c x^(p-1), so that it moves by p step / |n.d|.
+    const double farthest = std::min(kMaxContact * step / model.steepness(ray, crossing), kMaxMove * model.size());
+    if (!(std::abs(t - crossing.t) <= farthest)) continue;
     crossing.t = t;
     crossing.uv = uv;
   }

@@ -153,6 +153,12 @@ void SolidModel::add_crossing(const RayPlanes& planes, const SubPatch& patch, co
       root.undecided ? Vec2(0.5 * (face.form.to_surface(st + half_st) - face.form.to_surface(st - half_st)).cwiseAbs())
                      : Vec2(Vec2::Zero());
   crossing.sense = root.undecided ? Sense::edge : root.enters == face.same_sense ? Sense::entry : Sense::exit;
+  if (root.undecided) {
+    for (const Vec2& corner : {Vec2(-half_st), half_st, Vec2(half_st.x(), -half_st.y())}) {
+      const Vec3 end = evaluate_point(patch.patch, st.x() + corner.x(), st.y() + corner.y());
+      crossing.half_t = std::max(crossing.half_t, std::abs(planes.direction.dot(end - point)));
+    }
+  }
   judge(face, half, point, root.undecided, crossing);
   if (crossing.inside || crossing.doubt > 0.0) crossings.push_back(crossing);
 }
@@ -176,15 +182,20 @@ void SolidModel::judge(const FaceModel& face, const Vec2& half, const Vec3& poin
 /// A face does not meet itself, so two crossings of one face in one sense at one point are copies of one root, from two
 /// sub-patches that share a border or from the two sides of a seam. Of copies the one that counts as inside is kept.
 void SolidModel::drop_copies(std::vector<Crossing>& crossings) const {
+  double reach = merge_distance_;
+  for (const Crossing& crossing : crossings) reach = std::max(reach, 2.0 * crossing.half_t + merge_distance_);
   std::size_t kept = 0;
   for (const Crossing& crossing : crossings) {
     bool copy = false;
-    for (std::size_t k = kept; k-- > 0 && crossing.t - crossings[k].t <= merge_distance_;) {
+    for (std::size_t k = kept; k-- > 0 && crossing.t - crossings[k].t <= reach;) {
       Crossing& other = crossings[k];
-      if (other.face != crossing.face || other.sense != crossing.sense) continue;
+      const double apart = crossing.t - other.t - crossing.half_t - other.half_t;
+      if (apart > merge_distance_ || other.face != crossing.face || other.sense != crossing.sense) continue;
       const double doubt = std::max(other.doubt, crossing.doubt);
+      const double half_t = std::max(other.half_t, crossing.half_t);
       if (crossing.inside && !other.inside) other = crossing;
       other.doubt = doubt;
+      other.half_t = half_t;
       copy = true;
       break;
     }
@@ -215,6 +226,12 @@ bool SolidModel::refine_crossing(const Ray& ray, std::uint32_t face, Vec2& uv, d
   if (!(best <= 10.0 * accuracy_)) return false;
   t += planes.depth(evaluate_point(surface, uv));
   return true;
+}
+
+double SolidModel::steepness(const Ray& ray, const Crossing& crossing) const {
+  const Vec3 normal = evaluate(scene_->faces[faces_[crossing.face].id].surface, crossing.uv).normal();
+  const double length = normal.norm();
+  return length > 0.0 ? std::abs(normal.dot(ray.direction)) / length : 0.0;
 }
 
 }  // namespace lamella::reference

@@ -18,6 +18,7 @@ namespace lamella::reference {
 /// One place where a ray meets the surface of a face, in or near its trimmed region.
 struct Crossing {
   double t = 0.0;          ///< mm along the ray
+  double half_t = 0.0;     ///< mm: half-length of a tangency that stayed undecided
   std::uint32_t face = 0;  ///< number of the face in the solid
   Sense sense = Sense::entry;
   Vec2 uv = Vec2::Zero();
@@ -49,6 +50,8 @@ class SolidModel {
   [[nodiscard]] bool meets_box(const Ray& ray) const;
   /// Where `ray` meets face number `face` near `uv`, by Newton's iteration; false if it doesn't converge or strays.
   bool refine_crossing(const Ray& ray, std::uint32_t face, Vec2& uv, double& t) const;
+  /// |n.d| where a crossing lies, 0 where the surface has no normal.
+  [[nodiscard]] double steepness(const Ray& ray, const Crossing& crossing) const;
 
   [[nodiscard]] FaceId face_id(std::uint32_t face) const { return faces_[face].id; }
   [[nodiscard]] double size() const { return size_; }                    ///< mm, diagonal of the box

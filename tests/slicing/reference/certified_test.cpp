@@ -1,10 +1,9 @@
 #include "slicing/reference/certified.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <complex>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 #include <random>
 
 #include "core/tolerances.h"
@@ -64,7 +63,8 @@ BezierPatch unit_plane() {
   return {1, 1, {0.0, 1.0}, {0.0, 1.0}, {{0, 0, 0, 1}, {0, 1, 0, 1}, {1, 0, 0, 1}, {1, 1, 0, 1}}};
 }
 
-/// y + i z = (u + i v)^3, x = v on [0.1, 1] x [-1, 1]: a positive Jacobian everywhere, and two hits at (y, z) = (-1, 0).
+/// y + i z = (u + i v)^3, x = v on [0.1, 1] x [-1, 1]: a positive Jacobian everywhere, and two hits at (y, z) = (-1,
+/// 0).
 BezierPatch cubic_patch() {
   const Interval u{0.1, 1.0};
   const Interval v{-1.0, 1.0};
@@ -237,8 +237,8 @@ TEST(CertifiedSolver, FindsThePointThatTheRayWasDrawnThrough) {
 /// Split anywhere, the halves find together what the whole finds: nothing is lost or doubled on the common border but
 /// what lies on it.
 TEST(CertifiedSolver, FindsTheSameAfterSplitting) {
-  const BezierPatch patch = graph<4, 4>({{{0.1, -1.0, 2.5, -1.4}, {-2.0, 3.0, 0.0, 0.0}, {5.0, -3.0, 0.0, 0.0},
-                                          {-3.0, 0.0, 1.0, 0.0}}});
+  const BezierPatch patch =
+      graph<4, 4>({{{0.1, -1.0, 2.5, -1.4}, {-2.0, 3.0, 0.0, 0.0}, {5.0, -3.0, 0.0, 0.0}, {-3.0, 0.0, 1.0, 0.0}}});
   std::mt19937 random(5);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   for (int trial = 0; trial < 500; ++trial) {
