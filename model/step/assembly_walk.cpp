@@ -78,7 +78,7 @@ class AssemblyWalk {
   void visit_all(const TDF_LabelSequence& labels, const Inherited& from);
   void visit(const TDF_Label& instance, const TDF_Label& part, Inherited from);
   void add_part(const TDF_Label& part, const Inherited& from);
-  void add_loose(const TopoDS_Shape& shape, const std::string& part_name, const SolidInfo& common);
+  void add_loose(const TopoDS_Shape& shape, const std::string& fallback, const SolidInfo& common);
   void note_face_colors(const TDF_Label& part);
   SolidSource source_of(const TopoDS_Shape& shape, const SolidInfo& common) const;
   std::optional<Color> color_of(const TDF_Label& label) const;
@@ -205,6 +205,7 @@ void AssemblyWalk::add_part(const TDF_Label& part, const Inherited& from) {
   note_face_colors(part);
   SolidInfo common;
   common.name = name_of(part);
+  const std::string fallback = from.path.substr(from.path.rfind('/') + 1);
   common.path = from.path;
   common.color = from.color;
   common.layer = from.layer;
@@ -223,20 +224,23 @@ void AssemblyWalk::add_part(const TDF_Label& part, const Inherited& from) {
     SolidSource source = source_of(solids[i], common);
     const std::string own_name = entities_.item(solids[i]).name;
     if (!own_name.empty() && (solids.size() > 1 || common.name.empty())) source.info.name = own_name;
+    if (source.info.name.empty()) source.info.name = fallback;
     if (solids.size() > 1 || (!own_name.empty() && own_name != common.name)) source.info.path += "/" + bodies[i];
     assembly_.solids.push_back(std::move(source));
     if (assembly_.solids.size() > kMaxSolids)
       throw InputError("the assembly holds more than 2 million solids", from.path);
   }
-  add_loose(placed, common.name, common);
+  add_loose(placed, fallback, common);
 }
 
-void AssemblyWalk::add_loose(const TopoDS_Shape& shape, const std::string& part_name, const SolidInfo& common) {
+void AssemblyWalk::add_loose(const TopoDS_Shape& shape, const std::string& fallback, const SolidInfo& common) {
   int count = 0;
   const auto add = [&](const TopoDS_Shape& piece, const std::string& word) {
     SolidSource source = source_of(piece, common);
     const std::string own_name = entities_.item(piece).name;
-    if (!own_name.empty() && part_name.empty()) source.info.name = own_name;
+    if (source.info.name.empty()) source.info.name = own_name.empty() ? fallback : own_name;
+    source.info.status = SolidStatus::open;
+    source.info.closed = false;
     source.info.path += "/" + path_component(own_name, word) + "." + std::to_string(++count);
     assembly_.loose.push_back(std::move(source));
   };

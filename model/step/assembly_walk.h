@@ -2,11 +2,13 @@
 
 #include <TDocStd_Document.hxx>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "model/step/convert_solid.h"
 #include "model/step/entity_index.h"
+#include "model/step/raw_properties.h"
 
 /// Private to model/step: from the imported assembly to a flat list of placed solids.
 namespace lamella::step {
@@ -15,11 +17,7 @@ namespace lamella::step {
 inline constexpr int kMaxAssemblyDepth = 200;
 inline constexpr std::size_t kMaxSolids = 2'000'000;
 
-/// Material and density of a part by the number of its PRODUCT_DEFINITION.
-struct StepMaterial {
-  std::string name;
-  std::optional<double> density;  ///< g/cm^3
-};
+/// Material of a part by the number of its PRODUCT_DEFINITION.
 using MaterialOf = std::function<std::optional<StepMaterial>(int product_definition)>;
 
 struct Assembly {

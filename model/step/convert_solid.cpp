@@ -6,6 +6,7 @@
 #include <BRep_Tool.hxx>
 #include <Bnd_Box.hxx>
 #include <NCollection_DataMap.hxx>
+#include <ShapeFix_Edge.hxx>
 #include <Standard_Failure.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
@@ -103,7 +104,17 @@ void SolidConverter::run(const SolidSource& source) {
   const std::size_t first_edge = scene_.edges.size();
   const std::size_t first_vertex = scene_.vertices.size();
   const std::size_t first_face = scene_.faces.size();
-  for (const TopoDS_Shape& shell : shells_of(without_scaling(source.shape))) add_shell(shell);
+  try {
+    for (const TopoDS_Shape& shell : shells_of(without_scaling(source.shape))) add_shell(shell);
+  } catch (const Standard_Failure& error) {
+    scene_.findings.push_back({Severity::error,
+                               source.info.path,
+                               {},
+                               label_of(source.info.step_entity),
+                               std::string("the solid can't be converted: ") + error.GetMessageString(),
+                               "repair it in the CAD system and export again"});
+    failed_ = true;
+  }
 
   Solid& stored = scene_.solids[solid_];
   stored.shells = {first_shell, static_cast<std::uint32_t>(scene_.shells.size() - first_shell.value())};
@@ -173,6 +184,11 @@ FaceDraft SolidConverter::draft_face(const TopoDS_Face& oriented) {
   for (const Chain& loop : draft.loops) {
     for (const HalfEdge& half_edge : loop) bounds.extend(curve_box(half_edge.pcurve, half_edge.prange));
   }
+  constexpr double kInfinite = 1e50;
+  // Written so that NaN fails.
+  if (!(bounds.min().minCoeff() > -kInfinite && bounds.max().maxCoeff() < kInfinite)) {
+    throw Unconvertible("the face is infinite: its surface is not trimmed");
+  }
   if (!planar) draft.face.surface = convert_surface(surface, placement, bounds);
 
   // Du x Dv of a mirrored surface is the mirrored normal, turned round.
@@ -200,7 +216,10 @@ Chain SolidConverter::draft_wire(const TopoDS_Shape& wire, const TopoDS_Face& fa
       half_edge.pcurve = project_onto(std::get<Plane>(*plane), stored.curve);
     } else {
       Interval& range = half_edge.prange;
-      const Handle(Geom2d_Curve) pcurve = BRep_Tool::CurveOnSurface(edge, face, range.lo, range.hi);
+      Handle(Geom2d_Curve) pcurve = BRep_Tool::CurveOnSurface(edge, face, range.lo, range.hi);
+      if (pcurve.IsNull() && ShapeFix_Edge().FixAddPCurve(edge, face, BRep_Tool::IsClosed(edge, face))) {
+        pcurve = BRep_Tool::CurveOnSurface(edge, face, range.lo, range.hi);
+      }
       if (pcurve.IsNull()) throw Unconvertible("an edge has no curve in the surface's parameters");
       half_edge.pcurve = convert_curve(pcurve, range);
     }
@@ -248,6 +267,11 @@ Edge SolidConverter::convert_edge(const TopoDS_Edge& edge) {
   if (start.IsNull() || end.IsNull()) throw Unconvertible("an edge has no vertices: it may be infinite");
   result.start = vertex_id(start);
   result.end = vertex_id(end);
+  const auto require_finite = [&result] {
+    constexpr double kInfinite = 1e50;  // OpenCASCADE's own infinity is 2e100
+    const bool finite = std::abs(result.range.lo) < kInfinite && std::abs(result.range.hi) < kInfinite;
+    if (!finite) throw Unconvertible("an edge is infinite: the face is not trimmed");
+  };
   if (result.degenerate) {
     BRep_Tool::Range(edge, result.range.lo, result.range.hi);
     return result;
@@ -258,6 +282,7 @@ Edge SolidConverter::convert_edge(const TopoDS_Edge& edge) {
     curve = BRep_Tool::Curve(edge, location, result.range.lo, result.range.hi);
   }
   if (curve.IsNull()) throw Unconvertible("an edge has no curve in space");
+  require_finite();
   if (!(result.range.lo < result.range.hi)) throw Unconvertible("an edge has no length in its curve's parameter");
   result.curve = convert_curve(curve, placement_of(location.Transformation()), result.range);
   return result;

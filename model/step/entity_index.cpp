@@ -1,6 +1,7 @@
 #include "model/step/entity_index.h"
 
 #include <StepBasic_ProductDefinition.hxx>
+#include <StepGeom_Surface.hxx>
 #include <StepRepr_RepresentationItem.hxx>
 #include <StepShape_ConnectedFaceSet.hxx>
 #include <StepShape_Edge.hxx>
@@ -23,12 +24,11 @@ std::optional<TopAbs_ShapeEnum> kind_of(const Handle(Standard_Transient) & entit
   if (entity->IsKind(STANDARD_TYPE(StepShape_ConnectedFaceSet))) return TopAbs_SHELL;
   if (entity->IsKind(STANDARD_TYPE(StepShape_SolidModel))) return TopAbs_SOLID;
   if (entity->IsKind(STANDARD_TYPE(StepShape_Edge))) return TopAbs_EDGE;
+  if (entity->IsKind(STANDARD_TYPE(StepGeom_Surface))) return TopAbs_FACE;  // of a set of bare surfaces
   return std::nullopt;
 }
 
 }  // namespace
-
-std::string label_of(int number) { return number > 0 ? std::to_string(number).insert(0, 1, '#') : std::string(); }
 
 EntityIndex::EntityIndex(const Handle(StepData_StepModel) & model, const Handle(Transfer_TransientProcess) & process) {
   for (int i = 1; i <= process->NbMapped(); ++i) {

@@ -6,6 +6,8 @@
 #include <string>
 #include <unordered_map>
 
+#include "model/step/entity_label.h"
+
 /// Private to model/step: which STEP entity became which shape.
 namespace lamella::step {
 
@@ -14,9 +16,6 @@ struct EntityRef {
   int number = 0;
   std::string name;
 };
-
-/// "#123", or empty when the entity is unknown.
-[[nodiscard]] std::string label_of(int number);
 
 /// Finds, for faces, shells, solids and parts of the imported assembly, the entity each came from. Keyed by the shape
 /// without its place, so all instances of a part share the entities.

@@ -1,17 +1,30 @@
 #include "model/step/read_step.h"
 
 #include <fstream>
+#include <map>
+#include <optional>
 
 #include "core/sha256.h"
 #include "model/step/assembly_walk.h"
 #include "model/step/convert_solid.h"
+#include "model/step/import_report.h"
+#include "model/step/raw_properties.h"
+#include "model/step/raw_structure.h"
+#include "model/step/raw_topology.h"
+#include "model/step/solid_report.h"
 #include "model/step/step_session.h"
+#include "model/topology.h"
 
 namespace lamella {
 namespace {
 
+using step::Part21;
+
 std::string read_bytes(const std::filesystem::path& path, const StepOptions& options) {
   std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (!std::filesystem::exists(status)) throw InputError("there is no such file", path.string());
+  if (!std::filesystem::is_regular_file(status)) throw InputError("not a regular file", path.string());
   const auto size = std::filesystem::file_size(path, error);
   if (error) throw InputError("can't read the file: " + error.message(), path.string());
   if (size > options.max_bytes) {
@@ -27,36 +40,189 @@ std::string read_bytes(const std::filesystem::path& path, const StepOptions& opt
   return bytes;
 }
 
-void read_file(Scene& scene, const std::filesystem::path& path, const StepOptions& options, const Progress& progress) {
-  const std::string text = read_bytes(path, options);
+std::string sha256_of(const std::string& bytes) {
+  Sha256 digest;
+  digest.update(std::as_bytes(std::span(bytes)));
+  return digest.finish();
+}
+
+SourceFile describe_file(const std::filesystem::path& path, const std::string& bytes, const Part21& raw,
+                         std::vector<Finding>& findings) {
   SourceFile file;
   file.path = path.string();
-  file.sha256 = sha256_of_file(path);
-  const std::size_t index = scene.files.size();
-  scene.files.push_back(file);
-
-  step::StepSession session(path.string(), text, progress);
-  session.transfer(progress);
-  const step::EntityIndex entities = session.entities();
-  step::Assembly assembly =
-      step::walk_assembly(session.document(), entities, [](int) -> std::optional<step::StepMaterial> { return {}; });
-  const auto& sources = assembly.solids.empty() ? assembly.loose : assembly.solids;
-  std::size_t done = 0;
-  for (step::SolidSource source : sources) {
-    progress.throw_if_cancelled();
-    progress.report("converting", static_cast<double>(done++) / static_cast<double>(sources.size()));
-    source.info.file = index;
-    step::append_solid(scene, source, entities, assembly.colors);
+  file.sha256 = sha256_of(bytes);
+  file.schema = step::application_protocol(raw.schema());
+  const auto units = step::length_units(raw);
+  if (units.empty()) {
+    file.unit = "millimetre";
+    findings.push_back({Severity::warning,
+                        {},
+                        {},
+                        {},
+                        path.string() + " states no length unit",
+                        "millimetres are assumed: check the sizes"});
+    return file;
   }
+  file.unit = units.front().name;
+  file.unit_in_mm = units.front().in_mm;
+  for (std::size_t i = 1; i < units.size(); ++i) {
+    findings.push_back({Severity::note,
+                        {},
+                        {},
+                        step::label_of(units[i].entity),
+                        "parts of the file are in another length unit: " + units[i].name,
+                        "each part is converted by its own unit"});
+  }
+  return file;
+}
+
+void report_syntax(const Part21& raw, const std::string& path, std::vector<Finding>& findings) {
+  for (const step::SyntaxFault& fault : raw.faults()) {
+    findings.push_back({Severity::warning,
+                        {},
+                        {},
+                        step::label_of(fault.entity),
+                        "syntax error in " + path + ", line " + std::to_string(fault.line) + ": " + fault.what,
+                        "what the statement says is lost; export the file again"});
+  }
+}
+
+/// Loose geometry that must be in the scene all the same: shells of what the file states to be a solid, which the
+/// import couldn't close, and everything where there is no solid at all, so that the command can name it.
+void keep_broken_solids(step::Assembly& assembly, const step::RawTopology& topology, std::vector<Finding>& findings) {
+  const bool all = assembly.solids.empty();
+  std::vector<step::SolidSource> loose;
+  for (step::SolidSource& source : assembly.loose) {
+    const int shell = source.info.step_entity;
+    const int owner = topology.solid_of(shell);
+    const bool stated_solid = owner != 0 && owner != shell;
+    if (all || stated_solid) {
+      const bool faces = source.shape.ShapeType() != TopAbs_SHELL;
+      findings.push_back({Severity::error,
+                          source.info.path,
+                          {},
+                          step::label_of(shell),
+                          stated_solid ? "the solid is in pieces that don't close"
+                          : faces      ? "loose faces that belong to no shell and no solid"
+                                       : "a shell that bounds no solid",
+                          "close it and make it a solid in the CAD system, or slice with --allow-open"});
+    }
+    if (stated_solid) source.info.step_entity = owner;
+    (all || stated_solid ? assembly.solids : loose).push_back(std::move(source));
+  }
+  assembly.loose = std::move(loose);
+}
+
+void report_loose(const step::Assembly& assembly, std::vector<Finding>& findings) {
+  for (const step::SolidSource& source : assembly.loose) {
+    findings.push_back({Severity::warning,
+                        source.info.path,
+                        {},
+                        step::label_of(source.info.step_entity),
+                        "a shell or face outside any solid is left out",
+                        "make it a solid in the CAD system if it is meant to be material"});
+  }
+}
+
+/// Reads files into one scene.
+class Reader {
+ public:
+  Reader(const StepOptions& options, const Progress& progress) : options_(options), progress_(progress) {}
+
+  void read(const std::filesystem::path& path);
+  Scene finish();
+
+ private:
+  void convert(const step::Assembly& assembly, const step::EntityIndex& entities);
+  void check_shapes(step::SolidReport& report, const step::Assembly& assembly, SolidId first,
+                    const step::EntityIndex& entities);
+
+  const StepOptions& options_;
+  const Progress& progress_;
+  Scene scene_;
+  std::vector<step::PendingFaults> pending_;
+};
+
+void Reader::read(const std::filesystem::path& path) {
+  const std::string bytes = read_bytes(path, options_);
+  const std::string name = path.string();
+  const Part21 raw(bytes, progress_);
+  step::require_step_text(raw, name);
+  step::require_acyclic(raw, name, progress_);
+  scene_.files.push_back(describe_file(path, bytes, raw, scene_.findings));
+  report_syntax(raw, name, scene_.findings);
+  const auto materials = step::materials(raw, scene_.findings);
+
+  step::StepSession session(name, bytes, options_.heal, progress_);
+  session.transfer(progress_);
+  const step::EntityIndex entities = session.entities();
+  const auto refused = step::refused_entities(session.model());
+  step::Assembly assembly =
+      step::walk_assembly(session.document(), entities, [&materials](int product) -> std::optional<step::StepMaterial> {
+        const auto found = materials.find(product);
+        return found == materials.end() ? std::nullopt : std::optional(found->second);
+      });
+  if (assembly.solids.empty() && assembly.loose.empty()) step::throw_nothing_readable(raw, name, refused);
+  const step::RawTopology topology(raw, progress_);
+  keep_broken_solids(assembly, topology, scene_.findings);
+  report_loose(assembly, scene_.findings);
+  const SolidId first{scene_.solids.size()};
+  convert(assembly, entities);
+
+  step::SolidReport report(scene_, first, topology);
+  report.add_refused(refused);
+  report.add_remarks(step::transfer_remarks(session.model(), session.process()));
+  report.add_lost_faces();
+  check_shapes(report, assembly, first, entities);
+  report.add_wide_tolerances();
+  pending_.push_back({first, SolidId{scene_.solids.size()}, topology.faults()});
+}
+
+void Reader::convert(const step::Assembly& assembly, const step::EntityIndex& entities) {
+  const std::size_t file = scene_.files.size() - 1;
+  std::size_t done = 0;
+  for (step::SolidSource source : assembly.solids) {
+    progress_.throw_if_cancelled();
+    progress_.report("converting", 0.7 * static_cast<double>(done++) / static_cast<double>(assembly.solids.size()));
+    source.info.file = file;
+    step::append_solid(scene_, source, entities, assembly.colors);
+    if (scene_.faces.size() > options_.max_faces) {
+      throw InputError("the assembly has more than " + std::to_string(options_.max_faces) + " faces, instances counted",
+                       scene_.files.back().path, "read a part of it at a time");
+    }
+  }
+}
+
+void Reader::check_shapes(step::SolidReport& report, const step::Assembly& assembly, SolidId first,
+                          const step::EntityIndex& entities) {
+  std::map<const void*, bool> seen;
+  for (std::size_t i = 0; i < assembly.solids.size(); ++i) {
+    progress_.throw_if_cancelled();
+    progress_.report("converting", 0.7 + 0.3 * static_cast<double>(i) / static_cast<double>(assembly.solids.size()));
+    const TopoDS_Shape& shape = assembly.solids[i].shape;
+    if (shape.ShapeType() != TopAbs_SOLID) continue;  // open anyway
+    if (!seen.emplace(shape.TShape().get(), true).second) continue;
+    report.add_shape_faults(SolidId{first.value() + i}, step::check_shape(shape.Located(TopLoc_Location()), entities));
+  }
+}
+
+Scene Reader::finish() {
+  complete_topology(scene_);
+  for (const step::PendingFaults& faults : pending_) step::settle_raw_faults(scene_, faults);
+  return std::move(scene_);
 }
 
 }  // namespace
 
 Scene read_step(std::span<const std::filesystem::path> files, const StepOptions& options, const Progress& progress) {
+  if (files.empty()) throw InputError("no STEP file given");
   const step::ImportGuard guard;
-  Scene scene;
-  for (const std::filesystem::path& path : files) read_file(scene, path, options, progress);
-  return scene;
+  Reader reader(options, progress);
+  for (const std::filesystem::path& path : files) {
+    progress.throw_if_cancelled();
+    reader.read(path);
+  }
+  return reader.finish();
 }
 
 }  // namespace lamella

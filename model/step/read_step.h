@@ -12,6 +12,7 @@ namespace lamella {
 struct StepOptions {
   bool heal = true;                              ///< let the import repair what it can; each repair is reported
   std::size_t max_bytes = std::size_t{4} << 30;  ///< larger files are refused
+  std::size_t max_faces = 4'000'000;             ///< of all instances; larger assemblies are refused
 };
 
 /// Reads one or several STEP files (AP203, AP214, AP242) into one scene, solids in the order of the assembly walk and

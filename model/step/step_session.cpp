@@ -38,7 +38,8 @@ class TextSource : public std::streambuf {
  protected:
   int_type underflow() override {
     if (next_ >= text_.size() || progress_.cancelled()) return traits_type::eof();
-    progress_.report("reading", static_cast<double>(next_) / static_cast<double>(text_.size()));
+    // The first part of the stage was the check of the text.
+    progress_.report("reading", 0.3 + 0.7 * static_cast<double>(next_) / static_cast<double>(text_.size()));
     constexpr std::size_t kPiece = std::size_t{1} << 20;
     const std::size_t size = std::min(kPiece, text_.size() - next_);
     // The stream only reads; its interface wants pointers to non-const.
@@ -94,7 +95,10 @@ ImportGuard::~ImportGuard() {
   Message::DefaultMessenger()->ChangePrinters() = state_->printers;
 }
 
-StepSession::StepSession(const std::string& name, std::string_view text, const Progress& progress) : name_(name) {
+StepSession::StepSession(const std::string& name, std::string_view text, bool heal, const Progress& progress)
+    : name_(name) {
+  // The operators of a sequence that no resource defines are none.
+  Interface_Static::SetCVal("read.step.sequence", heal ? "FromSTEP" : "none");
   Interface_Static::SetCVal("read.step.codepage", is_utf8(text) ? "UTF8" : "ISO8859-1");
   reader_.SetColorMode(Standard_True);
   reader_.SetNameMode(Standard_True);

@@ -29,8 +29,8 @@ class ImportGuard {
 /// The import of one file's text.
 class StepSession {
  public:
-  /// Reads `text`, the bytes of the file `name`. Throws InputError, Cancelled.
-  StepSession(const std::string& name, std::string_view text, const Progress& progress);
+  /// Reads `text`, the bytes of the file `name`; `heal` lets the import repair shapes. Throws InputError, Cancelled.
+  StepSession(const std::string& name, std::string_view text, bool heal, const Progress& progress);
   ~StepSession();
 
   /// Makes shapes of the entities; nothing is read but `text`. Throws InputError, Cancelled.

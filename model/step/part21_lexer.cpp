@@ -1,0 +1,262 @@
+#include "model/step/part21_lexer.h"
+
+#include <charconv>
+#include <cstdlib>
+#include <string>
+
+namespace lamella::step {
+namespace {
+
+bool is_word(char c) {
+  return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '!';
+}
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// Index after the comment or string that begins at `i`; npos when it doesn't end. `i` itself if none begins there.
+std::size_t after_quoted(std::string_view text, std::size_t i) {
+  if (text[i] == '\'') {
+    const std::size_t end = text.find('\'', i + 1);
+    return end == std::string_view::npos ? end : end + 1;  // a doubled quote is two strings side by side
+  }
+  if (text[i] == '/' && i + 1 < text.size() && text[i + 1] == '*') {
+    const std::size_t end = text.find("*/", i + 2);
+    return end == std::string_view::npos ? end : end + 2;
+  }
+  return i;
+}
+
+}  // namespace
+
+std::string_view trim(std::string_view text) {
+  while (!text.empty() && is_space(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_space(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+void Scanner::skip_blanks() {
+  while (at_ < text_.size()) {
+    if (is_space(text_[at_])) {
+      if (text_[at_] == '\n') ++line_;
+      ++at_;
+    } else if (text_[at_] != '/' || !skip_comment()) {
+      return;
+    }
+  }
+}
+
+bool Scanner::skip_comment() {
+  const std::size_t end = after_quoted(text_, at_);
+  if (end == at_) return false;
+  const std::size_t stop = end == std::string_view::npos ? text_.size() : end;
+  for (; at_ < stop; ++at_) {
+    if (text_[at_] == '\n') ++line_;
+  }
+  return true;
+}
+
+bool Scanner::skip_string() {
+  ++at_;
+  while (at_ < text_.size() && text_[at_] != '\'') {
+    if (text_[at_] == '\n') ++line_;
+    ++at_;
+  }
+  if (at_ == text_.size()) return false;
+  ++at_;
+  return true;
+}
+
+Scanner::Statement Scanner::next() {
+  skip_blanks();
+  Statement statement;
+  statement.begin = at_;
+  statement.line = line_;
+  while (at_ < text_.size()) {
+    const char c = text_[at_];
+    if (c == ';') {
+      statement.end = at_++;
+      while (statement.end > statement.begin && is_space(text_[statement.end - 1])) --statement.end;
+      return statement;
+    }
+    if (c == '\'') {
+      if (!skip_string()) statement.fault = "a string that doesn't end";
+    } else if (c != '/' || !skip_comment()) {
+      if (c == '\n') ++line_;
+      ++at_;
+    }
+  }
+  statement.end = text_.size();
+  statement.at_end = true;
+  if (statement.begin < text_.size() && statement.fault == nullptr) statement.fault = "a statement that doesn't end";
+  return statement;
+}
+
+KeywordScan scan_keywords(std::string_view entity) {
+  KeywordScan scan;
+  entity = trim(entity);
+  const int outermost = entity.starts_with('(') ? 1 : 0;
+  int depth = 0;
+  for (std::size_t i = 0; i < entity.size();) {
+    const std::size_t after = after_quoted(entity, i);
+    if (after == std::string_view::npos) {
+      scan.fault = "a string or comment that doesn't end";
+      return scan;
+    }
+    if (after != i) {
+      i = after;
+      continue;
+    }
+    const char c = entity[i];
+    if (c == '(') ++depth;
+    if (c == ')' && --depth < 0) break;
+    if (depth == outermost && is_word(c)) {
+      const std::size_t first = i;
+      while (i < entity.size() && is_word(entity[i])) ++i;
+      scan.keywords.push_back(entity.substr(first, i - first));
+      continue;
+    }
+    ++i;
+  }
+  if (depth != 0) scan.fault = "a bracket is missing";
+  if (scan.keywords.empty() && scan.fault == nullptr) scan.fault = "the entity's type is missing";
+  return scan;
+}
+
+std::vector<int> scan_references(std::string_view entity) {
+  std::vector<int> result;
+  for (std::size_t i = 0; i < entity.size();) {
+    const std::size_t after = after_quoted(entity, i);
+    if (after == std::string_view::npos) break;
+    if (after != i) {
+      i = after;
+      continue;
+    }
+    if (entity[i++] != '#') continue;
+    int number = 0;
+    const char* begin = entity.data() + i;
+    const auto [end, error] = std::from_chars(begin, entity.data() + entity.size(), number);
+    if (error == std::errc() && number > 0) result.push_back(number);
+    i += static_cast<std::size_t>(end - begin);
+  }
+  return result;
+}
+
+char Parser::peek() {
+  while (at_ < text_.size()) {
+    if (is_space(text_[at_])) {
+      ++at_;
+      continue;
+    }
+    if (text_[at_] != '/') return text_[at_];
+    const std::size_t after = after_quoted(text_, at_);
+    if (after == at_) return '/';
+    at_ = after == std::string_view::npos ? text_.size() : after;
+  }
+  return '\0';
+}
+
+bool Parser::take(char c) {
+  if (peek() != c) return false;
+  ++at_;
+  return true;
+}
+
+std::string_view Parser::word() {
+  const std::size_t first = at_;
+  while (at_ < text_.size() && is_word(text_[at_])) ++at_;
+  return text_.substr(first, at_ - first);
+}
+
+std::vector<Part> Parser::parts() {
+  std::vector<Part> result;
+  const bool complex = take('(');
+  do {
+    Part part;
+    if (!parse_part(part)) return {};
+    result.push_back(std::move(part));
+  } while (complex && peek() != ')' && peek() != '\0');
+  return result;
+}
+
+bool Parser::parse_part(Part& part) {
+  if (!is_word(peek())) return false;
+  for (const char c : word()) part.keyword.push_back(c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c);
+  return take('(') && parse_list(part.values, 0);
+}
+
+bool Parser::parse_list(std::vector<Value>& items, int depth) {
+  constexpr int kMaxDepth = 64;
+  if (depth > kMaxDepth) return false;
+  if (take(')')) return true;
+  while (true) {
+    Value value;
+    if (!parse_value(value, depth + 1)) return false;
+    items.push_back(std::move(value));
+    if (take(')')) return true;
+    if (!take(',')) return false;
+  }
+}
+
+bool Parser::parse_value(Value& value, int depth) {
+  const char c = peek();
+  switch (c) {
+    case '$':
+      ++at_;
+      return true;
+    case '*':
+      ++at_;
+      value.kind = Value::Kind::derived;
+      return true;
+    case '\'':
+      return parse_delimited(value, Value::Kind::text, c);
+    case '.':
+      return parse_delimited(value, Value::Kind::enumeration, c);
+    case '"':
+      return parse_delimited(value, Value::Kind::binary, c);
+    case '(':
+      ++at_;
+      value.kind = Value::Kind::list;
+      return parse_list(value.items, depth);
+    case '#': {
+      ++at_;
+      value.kind = Value::Kind::reference;
+      const auto [end, error] = std::from_chars(text_.data() + at_, text_.data() + text_.size(), value.reference);
+      at_ = static_cast<std::size_t>(end - text_.data());
+      return error == std::errc() && value.reference > 0;
+    }
+    default:
+      break;
+  }
+  if (is_digit(c) || c == '-' || c == '+') return parse_number(value);
+  if (!is_word(c)) return false;
+  value.kind = Value::Kind::typed;
+  value.text = word();
+  return take('(') && parse_list(value.items, depth);
+}
+
+bool Parser::parse_number(Value& value) {
+  value.kind = Value::Kind::number;
+  const std::size_t first = text_[at_] == '+' ? at_ + 1 : at_;
+  const auto [end, error] = std::from_chars(text_.data() + first, text_.data() + text_.size(), value.number);
+  if (end == text_.data() + first) return false;
+  at_ = static_cast<std::size_t>(end - text_.data());
+  return true;
+}
+
+bool Parser::parse_delimited(Value& value, Value::Kind kind, char delimiter) {
+  value.kind = kind;
+  const std::size_t first = ++at_;
+  while (true) {
+    const std::size_t end = text_.find(delimiter, at_);
+    if (end == std::string_view::npos) return false;
+    at_ = end + 1;
+    const bool doubled = kind == Value::Kind::text && at_ < text_.size() && text_[at_] == delimiter;
+    if (doubled) {
+      ++at_;
+      continue;
+    }
+    value.text = text_.substr(first, end - first);
+    return true;
+  }
+}
+
+}  // namespace lamella::step

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+
+#include "model/step/part21.h"
+
+/// Private to model/step: checks of a file's references before the import follows them.
+namespace lamella::step {
+
+/// Throws InputError, naming the entities, when following references of shapes, placements or products would never
+/// end: the import recurses along them. Cycles elsewhere are harmless.
+void require_acyclic(const Part21& file, const std::string& path, const Progress& progress);
+
+/// Throws InputError that says why the file holds no shape at all: what it holds instead, or what is missing where.
+/// `refused` lists entities the import could not read, with its reasons.
+struct RefusedEntity {
+  int number = 0;
+  std::string reason;
+};
+[[noreturn]] void throw_nothing_readable(const Part21& file, const std::string& path,
+                                         const std::vector<RefusedEntity>& refused);
+
+/// Throws InputError when the text is no STEP file, is cut short, or holds no entity.
+void require_step_text(const Part21& file, const std::string& path);
+
+}  // namespace lamella::step
