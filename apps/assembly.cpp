@@ -1,0 +1,57 @@
+#include "apps/assembly.h"
+
+#include "model/step/read_step.h"
+
+namespace lamella::apps {
+
+Assembly read_assembly(const Session& session, const std::vector<std::string>& files,
+                       const std::optional<std::string>& materials) {
+  std::optional<MaterialRules> rules;
+  if (materials) rules = read_material_rules(*materials);
+  const std::vector<std::filesystem::path> paths(files.begin(), files.end());
+
+  Assembly assembly;
+  assembly.scene = read_step(paths, {}, session.progress());
+  assembly.findings = assembly.scene.findings;
+  if (rules) {
+    const std::vector<Finding> unused = find_unused_rules(assembly.scene, *rules);
+    assembly.findings.insert(assembly.findings.end(), unused.begin(), unused.end());
+  }
+  session.warn(assembly.findings);
+  assembly.table = rules ? assign_materials(assembly.scene, *rules) : assign_materials(assembly.scene);
+  return assembly;
+}
+
+void measure_assembly(const Session& session, Assembly& assembly) {
+  assembly.measures = measure_solids(assembly.scene, session.progress(), session.threads());
+}
+
+std::string status_word(const SolidInfo& solid) {
+  switch (solid.status) {
+    case SolidStatus::open:
+      return "open";
+    case SolidStatus::invalid:
+      return "invalid";
+    case SolidStatus::empty:
+      return "empty";
+    case SolidStatus::ok:
+      break;
+  }
+  return solid.closed ? "ok" : "open";
+}
+
+bool is_sliceable(const SolidInfo& solid) {
+  return solid.closed && solid.status != SolidStatus::open && solid.status != SolidStatus::empty;
+}
+
+void require_solid(const Scene& scene, bool allow_open) {
+  std::string paths;
+  for (const Solid& solid : scene.solids) {
+    const bool is_open_but_there = allow_open && solid.info.status != SolidStatus::empty;
+    if (is_sliceable(solid.info) || is_open_but_there) return;
+    paths += (paths.empty() ? "" : ", ") + solid.info.path + " (" + status_word(solid.info) + ")";
+  }
+  throw InputError("no closed solid to slice", paths, "repair the model, or slice open solids with --allow-open");
+}
+
+}  // namespace lamella::apps

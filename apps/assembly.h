@@ -1,0 +1,40 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/session.h"
+#include "materials/material_rules.h"
+#include "model/measure.h"
+#include "model/scene.h"
+
+namespace lamella::apps {
+
+/// The model as the verbs need it: geometry, materials and exact integrals.
+struct Assembly {
+  Scene scene;
+  MaterialTable table;
+  IdVector<SolidId, SolidMeasure> measures;
+  std::vector<Finding> findings;  ///< the reader's, and rules that decide about nothing
+};
+
+/// Reads STEP files as one assembly and says on stderr what is doubtful. The materials file, if any, is read first, so
+/// that a slip in it costs no waiting. Throws InputError, UsageError, Cancelled.
+[[nodiscard]] Assembly read_assembly(const Session& session, const std::vector<std::string>& files,
+                                     const std::optional<std::string>& materials);
+
+/// Fills `measures`.
+void measure_assembly(const Session& session, Assembly& assembly);
+
+/// "ok", "open", "invalid" or "empty".
+[[nodiscard]] std::string status_word(const SolidInfo& solid);
+
+/// Whether a run takes the solid without being asked: it is closed, and something is left of it.
+[[nodiscard]] bool is_sliceable(const SolidInfo& solid);
+
+/// Throws InputError that lists the solids when there is none to slice.
+void require_solid(const Scene& scene, bool allow_open);
+
+}  // namespace lamella::apps

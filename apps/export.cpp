@@ -1,0 +1,103 @@
+#include <algorithm>
+#include <fmt/format.h>
+
+#include "apps/options.h"
+#include "apps/outputs.h"
+#include "apps/table.h"
+#include "apps/verbs.h"
+#include "slicing/store/store.h"
+
+namespace lamella::apps {
+
+namespace {
+
+struct ExportOptions {
+  std::string build;
+  Output output;
+  FormatOptions format;
+  LayerRange layers;
+};
+
+/// "A:B" as layers A to B - 1, either side may be missing.
+LayerRange parse_layers(const std::string& text) {
+  const std::size_t colon = text.find(':');
+  if (colon == std::string::npos) {
+    throw UsageError("'" + text + "' is no range of layers", "--layers", "write A:B for layers A to B - 1");
+  }
+  constexpr long kMost = 0x7FFFFFFF;
+  LayerRange range;
+  const std::string first = text.substr(0, colon);
+  const std::string last = text.substr(colon + 1);
+  if (!first.empty()) range.first = static_cast<std::uint32_t>(parse_whole("--layers", first, 0, kMost));
+  if (!last.empty()) range.last = static_cast<std::uint32_t>(parse_whole("--layers", last, 0, kMost));
+  if (range.first >= range.last) {
+    throw UsageError("'" + text + "' holds no layer", "--layers", "write A:B for layers A to B - 1, A < B");
+  }
+  return range;
+}
+
+/// The range cut to what the build has; a range beyond it is an error.
+LayerRange clip(LayerRange range, std::size_t layers) {
+  if (range.first >= layers) {
+    throw UsageError("the build has " + std::to_string(layers) + " layers", "--layers", "they count from 0");
+  }
+  range.last = static_cast<std::uint32_t>(std::min<std::size_t>(range.last, layers));
+  return range;
+}
+
+ExitCode run(const Session& session, const ExportOptions& options) {
+  refuse_inputs_as_outputs({options.output.path}, {options.build});
+  check_writable(options.output);
+  const StoreReader reader(options.build);
+  const LayerRange range = clip(options.layers, reader.info().plan.layers.size());
+  const auto sink = make_sink(options.output, options.format);
+  reader.replay(*sink, range, session.progress());
+
+  const std::vector<WrittenFile> files = list_files(options.output.path);
+  Json list = Json::array();
+  double bytes = 0.0;
+  for (const WrittenFile& file : files) {
+    list.push_back({{"path", file.path.string()}, {"bytes", file.bytes}});
+    bytes += static_cast<double>(file.bytes);
+  }
+  if (session.json()) session.print(Json{{"format", options.output.format}, {"files", list}});
+  session.print(fmt::format("{}: {} layers, {} files, {} in {}\n", options.output.format, range.last - range.first,
+                            files.size(), short_bytes(bytes), options.output.path.string()));
+  if (!reader.report().within_budget()) session.warn(reader.report().findings);
+  return reader.report().within_budget() ? ExitCode::ok : ExitCode::budget;
+}
+
+ExportOptions read_options(const CLI::App& verb, const std::string& build) {
+  ExportOptions options;
+  options.build = build;
+  options.output = {*given(verb, "--to"), *given(verb, "--output")};
+  check_format(options.output.format);
+  options.format = read_format_options(verb);
+  if (const auto layers = given(verb, "--layers")) options.layers = parse_layers(*layers);
+  return options;
+}
+
+}  // namespace
+
+void add_export(CLI::App& program, CommonOptions& common, Action& action) {
+  CLI::App* verb = program.add_subcommand("export", "any format from a build");
+  auto build = std::make_shared<std::string>();
+  verb->add_option("build", *build, "the folder that lamella slice wrote")->required()->type_name("BUILD");
+  add_value(*verb, "--to", "png (one stack per material), png-indexed, vdb, xml", "FORMAT")->required();
+  add_value(*verb, "-o,--output", "the file or folder to write", "OUT")->required();
+  add_value(*verb, "--layers", "only layers A to B - 1, from 0; either may be missing", "A:B");
+  add_format_options(*verb);
+  add_common(*verb, common);
+  verb->footer(
+      "Examples:\n"
+      "  lamella export build --to png -o images\n"
+      "  lamella export build --to vdb -o grip.vdb\n"
+      "  lamella export build --to xml -o grip.xml --xml-payload text --layers 10:20\n"
+      "Exit code 3 repeats that the slicing itself exceeded its error budget.");
+  verb->final_callback([verb, build, &action] {
+    const ExportOptions options = read_options(*verb, *build);
+    action = [options](const Session& session) { return run(session, options); };
+  });
+}
+
+}  // namespace lamella::apps

@@ -1,0 +1,138 @@
+#include "apps/outputs.h"
+
+#include <algorithm>
+#include <array>
+#include <unistd.h>
+
+#include "apps/options.h"
+#include "core/error.h"
+#include "export/png_stack.h"
+#include "export/vdb/vdb_sink.h"
+#include "export/xml_slices.h"
+#include "slicing/store/build_file.h"
+#include "slicing/store/store.h"
+
+namespace lamella::apps {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Formats of docs/command.md whose exporters aren't there yet.
+constexpr std::array kPlannedFormats{"polyjet", "tiff",       "sl1", "vti", "vtp", "nrrd", "mhd",
+                                     "cli",     "cli-binary", "3mf", "svg", "slc", "step", "gcode"};
+
+/// Where the path leads when links and dots are followed as far as it exists.
+fs::path resolved(const fs::path& path) {
+  std::error_code failure;
+  fs::path real = fs::weakly_canonical(path, failure);
+  if (failure) return path.lexically_normal();
+  return real.has_filename() ? real : real.parent_path();
+}
+
+bool is_folder_format(const std::string& format) { return format != "xml" && format != "vdb"; }
+
+/// The nearest part of the path that exists.
+fs::path existing_part(fs::path path) {
+  path = fs::absolute(path);
+  std::error_code failure;
+  while (!fs::exists(path, failure) && path.has_relative_path()) path = path.parent_path();
+  return path;
+}
+
+void check_build_folder(const fs::path& folder) {
+  std::error_code failure;
+  if (fs::is_empty(folder, failure) || failure) return;
+  for (const char* name : {kBuildName, kUnfinishedName}) {
+    if (fs::exists(folder / name, failure)) return;
+  }
+  throw UsageError("the folder holds files but no build", folder.string(), "choose an empty or a new folder");
+}
+
+}  // namespace
+
+const std::vector<std::string>& available_formats() {
+  static const std::vector<std::string> formats{"png", "png-indexed", "vdb", "xml"};
+  return formats;
+}
+
+void check_format(const std::string& format) {
+  const auto& known = available_formats();
+  if (std::find(known.begin(), known.end(), format) != known.end()) return;
+  const bool planned = std::find(kPlannedFormats.begin(), kPlannedFormats.end(), format) != kPlannedFormats.end();
+  std::string list;
+  for (const std::string& name : known) list += (list.empty() ? "" : ", ") + name;
+  throw UsageError("format '" + format + (planned ? "' isn't there yet" : "' isn't known"), "--to",
+                   "available: " + list);
+}
+
+void add_format_options(CLI::App& verb) {
+  add_value(verb, "--xml-payload", "numbers in the XML: binary (zlib + base64, the default) or text", "KIND");
+  add_switch(verb, "--vdb-ids", "also an Int32 grid of material ids in the VDB");
+}
+
+FormatOptions read_format_options(const CLI::App& verb) {
+  FormatOptions options;
+  if (const auto payload = given(verb, "--xml-payload")) {
+    if (*payload != "text" && *payload != "binary") {
+      throw UsageError("'" + *payload + "' is no payload", "--xml-payload", "give text or binary");
+    }
+    options.xml_text = *payload == "text";
+  }
+  options.vdb_ids = verb.count("--vdb-ids") > 0;
+  return options;
+}
+
+std::unique_ptr<LayerSink> make_sink(const Output& output, const FormatOptions& options) {
+  if (output.format == "store") return make_store_sink(output.path);
+  check_format(output.format);
+  if (output.format == "png") return make_png_sink(output.path);
+  if (output.format == "png-indexed") return make_indexed_png_sink(output.path);
+  if (output.format == "vdb") return make_vdb_sink(output.path, {.integer_ids = options.vdb_ids});
+  return make_xml_sink(output.path, options.xml_text ? XmlPayload::text : XmlPayload::binary);
+}
+
+void refuse_inputs_as_outputs(const std::vector<fs::path>& outputs, const std::vector<std::string>& inputs) {
+  std::vector<fs::path> taken;
+  for (const std::string& input : inputs) taken.push_back(resolved(input));
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    const fs::path place = resolved(outputs[i]);
+    const auto found = std::find(taken.begin(), taken.end(), place);
+    if (found != taken.end()) {
+      const bool is_input = static_cast<std::size_t>(found - taken.begin()) < inputs.size();
+      throw UsageError(is_input ? "an output would overwrite an input" : "two outputs have the same place",
+                       outputs[i].string(), "choose another name");
+    }
+    taken.push_back(place);
+  }
+}
+
+void check_writable(const Output& output) {
+  if (output.path.empty()) throw UsageError("an empty path", output.format, "name a place for the output");
+  std::error_code failure;
+  const bool exists = fs::exists(output.path, failure);
+  const bool is_folder = fs::is_directory(output.path, failure);
+  if (exists && is_folder != is_folder_format(output.format)) {
+    throw ExportError(
+        is_folder ? "a folder stands where a file is to be written" : "a file stands where a folder is needed",
+        output.path.string(), "choose another name or remove it");
+  }
+  const fs::path above = existing_part(output.path);
+  if (::access(above.c_str(), W_OK) != 0) {
+    throw ExportError("can't write there", above.string(), "check the permissions");
+  }
+  if (is_folder && output.format == "store") check_build_folder(output.path);
+}
+
+std::vector<WrittenFile> list_files(const fs::path& path) {
+  std::vector<WrittenFile> files;
+  std::error_code failure;
+  if (fs::is_regular_file(path, failure)) return {{path, fs::file_size(path, failure)}};
+  for (fs::recursive_directory_iterator entry(path, failure), end; !failure && entry != end; entry.increment(failure)) {
+    if (entry->is_regular_file(failure)) files.push_back({entry->path(), entry->file_size(failure)});
+  }
+  std::sort(files.begin(), files.end(), [](const auto& a, const auto& b) { return a.path < b.path; });
+  return files;
+}
+
+}  // namespace lamella::apps

@@ -1,0 +1,102 @@
+#include "apps/slice_options.h"
+
+#include "apps/engine_options.h"
+#include "apps/options.h"
+#include "core/error.h"
+
+namespace lamella::apps {
+
+namespace {
+
+constexpr double kMmPerInch = 25.4;
+
+/// One number for both axes, or two with a comma between, all positive.
+Vec2 parse_one_or_two(const char* option, const std::string& text) {
+  if (text.find(',') == std::string::npos) return Vec2::Constant(parse_positive(option, text));
+  const std::vector<double> values = parse_numbers(option, text, 2);
+  for (const double value : values) {
+    if (!(value > 0.0)) throw UsageError("'" + text + "' is not more than zero", option, "give positive numbers");
+  }
+  return {values[0], values[1]};
+}
+
+std::optional<Vec2> read_pitch(const CLI::App& verb) {
+  const auto pitch = given(verb, "--pitch");
+  const auto dpi = given(verb, "--dpi");
+  if (pitch && dpi) throw UsageError("--pitch and --dpi exclude each other", {}, "give one of them");
+  if (pitch) return parse_one_or_two("--pitch", *pitch);
+  if (dpi) return Vec2(kMmPerInch * parse_one_or_two("--dpi", *dpi).cwiseInverse());
+  return std::nullopt;
+}
+
+double radians(double degrees) { return degrees / 180.0 * kPi; }
+
+std::optional<HatchLattice> read_hatch(const CLI::App& verb) {
+  const auto spacing = given(verb, "--hatch-spacing");
+  const auto angle = given(verb, "--hatch-angle");
+  const auto rotation = given(verb, "--rotate-per-layer");
+  if (!spacing) {
+    if (angle || rotation) {
+      throw UsageError(std::string(angle ? "--hatch-angle" : "--rotate-per-layer") + " needs --hatch-spacing", {},
+                       "give the distance of the hatch rows in mm");
+    }
+    return std::nullopt;
+  }
+  HatchLattice hatch;
+  hatch.spacing = parse_positive("--hatch-spacing", *spacing);
+  if (angle) hatch.angle = radians(parse_number("--hatch-angle", *angle));
+  if (rotation) hatch.rotation = radians(parse_number("--rotate-per-layer", *rotation));
+  return hatch;
+}
+
+PlanOptions read_plan(const CLI::App& verb) {
+  PlanOptions plan;
+  if (const auto height = given(verb, "--layer-height")) plan.layer_height = parse_positive("--layer-height", *height);
+  plan.pitch = read_pitch(verb);
+  if (const auto origin = given(verb, "--origin")) plan.origin = parse_vector("--origin", *origin);
+  plan.hatch = read_hatch(verb);
+  return plan;
+}
+
+}  // namespace
+
+void add_slice_options(CLI::App& verb) {
+  add_value(verb, "-o,--output", "folder of the build (the layers, as HDF5 and XML)", "BUILD")->required();
+  add_value(verb, "--layer-height", "mm (default: about 500 layers on the larger extent)", "MM");
+  add_value(verb, "--pitch", "pitch of the raster, both axes or x,y (default: about 1000 rows)", "MM[,MM]");
+  add_value(verb, "--dpi", "the same as dots per inch", "DPI[,DPI]");
+  add_value(verb, "--origin", "lower corner of the first voxel, mm (default: the lower bounds)", "X,Y,Z");
+  add_value(verb, "--hatch-spacing", "also hatch rows at this distance", "MM");
+  add_value(verb, "--hatch-angle", "of the first layer's hatch rows, degree", "DEG");
+  add_value(verb, "--rotate-per-layer", "further angle of each layer's hatch rows, degree", "DEG");
+  add_value(verb, "--materials", "materials and their rules (default: what the STEP file says)", "M.xml");
+  add_overlap_option(verb);
+  add_switch(verb, "--allow-open", "slice open solids too, by winding number");
+  for (const std::string& format : available_formats()) {
+    add_value(verb, "--" + format, "also write " + format + " in the same pass",
+              format.starts_with("png") ? "DIR" : "FILE");
+  }
+  add_format_options(verb);
+  add_engine_options(verb);
+  add_switch(verb, "--dry-run", "only say how many layers, rows and rays, and estimate time, memory and bytes");
+}
+
+SliceRequest read_slice_request(const CLI::App& verb, const std::vector<std::string>& files) {
+  SliceRequest request;
+  request.files = files;
+  request.materials = given(verb, "--materials");
+  request.build = *given(verb, "--output");
+  request.outputs.push_back({"store", request.build});
+  for (const std::string& format : available_formats()) {
+    if (const auto path = given(verb, "--" + format)) request.outputs.push_back({format, *path});
+  }
+  request.format = read_format_options(verb);
+  request.plan = read_plan(verb);
+  request.policy = read_overlap_policy(verb);
+  request.slice.reference = read_engine_options(verb);
+  request.slice.allow_open = verb.count("--allow-open") > 0;
+  request.dry_run = verb.count("--dry-run") > 0;
+  return request;
+}
+
+}  // namespace lamella::apps
