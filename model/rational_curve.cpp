@@ -211,7 +211,13 @@ template <int Dim>
 RationalCurve<Dim> rational_curve(const Curve<Dim>& curve, Interval range) {
   check_range(range);
   if (!(range.length() > 0.0)) return {};
-  return std::visit([&](const auto& shape) { return convert(shape, range); }, curve);
+  RationalCurve<Dim> result = std::visit([&](const auto& shape) { return convert(shape, range); }, curve);
+  for (const RationalPiece<Dim>& piece : result.pieces) {
+    for (const Vec<Dim + 1>& point : piece.net) {
+      if (!point.allFinite()) throw GeometryError("a curve whose coordinates are not finite numbers");
+    }
+  }
+  return result;
 }
 
 template RationalCurve<2> rational_curve<2>(const Curve2&, Interval);

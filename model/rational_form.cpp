@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <type_traits>
 
 #include "core/error.h"
@@ -179,7 +180,14 @@ RationalForm rational_form(const Surface& surface, const Box2& uv_bounds) {
   if (uv_bounds.isEmpty()) return {};
   check_box(uv_bounds);
   if (!((uv_bounds.sizes().array() > 0.0).all())) return {};
-  return std::visit([&](const auto& shape) { return convert(shape, uv_bounds); }, surface);
+  RationalForm form = std::visit([&](const auto& shape) { return convert(shape, uv_bounds); }, surface);
+  for (const BezierPatch& patch : form.patches) {
+    const auto finite = [](const Vec4& point) { return point.allFinite(); };
+    if (!std::all_of(patch.net.begin(), patch.net.end(), finite)) {
+      throw GeometryError(std::string(surface_type_name(surface)) + " whose coordinates are not finite numbers");
+    }
+  }
+  return form;
 }
 
 std::vector<BezierCurve2> rational_pieces(const Curve2& curve, Interval range) {

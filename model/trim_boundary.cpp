@@ -7,29 +7,10 @@
 #include "core/error.h"
 #include "model/evaluate.h"
 #include "model/rational_form.h"
+#include "model/trim_chain.h"
 
 namespace lamella {
 namespace {
-
-using Chain = std::vector<BezierCurve2>;
-
-Vec2 begin_of(const BezierCurve2& piece) { return piece.net.front().head<2>() / piece.net.front()[2]; }
-Vec2 end_of(const BezierCurve2& piece) { return piece.net.back().head<2>() / piece.net.back()[2]; }
-
-BezierCurve2 straight(const Vec2& begin, const Vec2& end) {
-  return {{0.0, 1.0}, {Vec3(begin[0], begin[1], 1.0), Vec3(end[0], end[1], 1.0)}};
-}
-
-void bridge(Chain& chain, const Vec2& to) {
-  const Vec2 from = end_of(chain.back());
-  if (from != to) chain.push_back(straight(from, to));
-}
-
-void move_by(Chain& chain, const Vec2& offset) {
-  for (BezierCurve2& piece : chain) {
-    for (Vec3& point : piece.net) point.head<2>() += point[2] * offset;
-  }
-}
 
 void turn_round(Chain& chain) {
   std::reverse(chain.begin(), chain.end());
@@ -53,22 +34,7 @@ Chain pieces_of(const Scene& scene, HalfEdgeId id) {
   }
 }
 
-/// Whole periods from `from` to `to`, per coordinate.
-Vec2 whole_periods(const Vec2& from, const Vec2& to, const Vec2& period) {
-  Vec2 result = Vec2::Zero();
-  for (int i = 0; i < 2; ++i) {
-    if (period[i] > 0.0) result[i] = period[i] * std::round((to[i] - from[i]) / period[i]);
-  }
-  return result;
-}
-
-/// At a pole or an apex all u are one point, and a step of a period along it is a true part of the loop.
-bool is_degenerate_step(const Face& face, const Vec2& at, const Vec2& step) {
-  const SurfacePoint point = evaluate(face.surface, at);
-  const double length = (point.du * step[0] + point.dv * step[1]).norm();
-  return length <= std::max(face.tolerance, 1e-6);
-}
-
+/// The pcurves of a loop end to begin, moved into one period; not closed yet.
 Chain chain_of(const Scene& scene, LoopId loop) {
   const Face& face = scene.faces[scene.loops[loop].face];
   const Vec2 period = periods(face.surface);
@@ -84,14 +50,27 @@ Chain chain_of(const Scene& scene, LoopId loop) {
     }
     chain.insert(chain.end(), std::make_move_iterator(next.begin()), std::make_move_iterator(next.end()));
   }
-  if (!chain.empty()) bridge(chain, begin_of(chain.front()));
   return chain;
 }
+
+bool has_area(const Box2& box) { return !box.isEmpty() && (box.sizes().array() > 0.0).all(); }
 
 bool encloses_something(const Chain& chain) {
   Box2 box;
   for (const BezierCurve2& piece : chain) box.extend(control_box(piece));
-  return !box.isEmpty() && (box.sizes().array() > 0.0).all();
+  return has_area(box);
+}
+
+/// The whole of a closed surface or a spline; empty for surfaces without an end.
+Box2 natural_bounds(const Surface& surface) {
+  if (std::holds_alternative<Sphere>(surface)) return {Vec2(0.0, -0.5 * kPi), Vec2(kTwoPi, 0.5 * kPi)};
+  if (std::holds_alternative<Torus>(surface)) return {Vec2(0.0, 0.0), Vec2(kTwoPi, kTwoPi)};
+  const auto* spline = std::get_if<BSplineSurface>(&surface);
+  if (const auto* fitted = std::get_if<FittedSurface>(&surface)) spline = &fitted->fit;
+  if (spline == nullptr) return {};
+  const Interval u = spline->domain_u();
+  const Interval v = spline->domain_v();
+  return {Vec2(u.lo, v.lo), Vec2(u.hi, v.hi)};
 }
 
 Chain rectangle(const Box2& box) {
@@ -110,14 +89,21 @@ void append(TrimBoundary& boundary, Chain chain) {
 
 TrimBoundary trim_boundary(const Scene& scene, FaceId id) {
   const Face& face = scene.faces[id];
-  TrimBoundary boundary;
+  std::vector<Chain> chains;
   for (const LoopId loop : face.loops) {
     Chain chain = chain_of(scene, loop);
-    if (!encloses_something(chain)) continue;
+    if (chain.empty()) continue;
     if (!face.same_sense) turn_round(chain);
-    append(boundary, std::move(chain));
+    chains.push_back(std::move(chain));
   }
-  if (boundary.pieces.empty() && !face.uv_bounds.isEmpty()) append(boundary, rectangle(face.uv_bounds));
+  TrimBoundary boundary;
+  for (Chain& chain : close_chains(face, std::move(chains))) {
+    if (encloses_something(chain)) append(boundary, std::move(chain));
+  }
+  if (boundary.pieces.empty()) {
+    const Box2 whole = has_area(face.uv_bounds) ? face.uv_bounds : natural_bounds(face.surface);
+    if (has_area(whole)) append(boundary, rectangle(whole));
+  }
   return boundary;
 }
 

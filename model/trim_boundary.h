@@ -16,8 +16,9 @@ struct TrimBoundary {
 };
 
 /// Joins a face's pcurves to closed loops: brings them into one period, bridges gaps by straight pieces, turns loops of
-/// a face of opposite sense round, and takes the face's uv_bounds when no loop encloses anything.
-/// Throws GeometryError, naming face and edge, for pcurves beyond the limits.
+/// a face of opposite sense round, adds the seam between rings around a periodic surface, and takes the face's
+/// uv_bounds (or the whole of a closed surface) when no loop encloses anything. Throws GeometryError, naming face and
+/// edge, for pcurves beyond the limits.
 [[nodiscard]] TrimBoundary trim_boundary(const Scene& scene, FaceId face);
 
 }  // namespace lamella

@@ -11,7 +11,7 @@ namespace lamella {
 namespace {
 
 /// Leaves are split until their strip is this part of their chord, but at most this often.
-constexpr double kLeafFlatness = 1.0 / 32.0;
+constexpr double kLeafFlatness = 1.0 / 8.0;
 constexpr int kLeafDepth = 5;
 
 /// Halvings after which a piece is as small as rounding allows, whatever its weights.

@@ -195,6 +195,7 @@ TEST(RationalForm, RefusesInfiniteAndHugeBounds) {
   }
   EXPECT_THROW((void)rational_form(Cylinder{Frame{}, 1.0}, box(0, 0, 1e6, 1)), GeometryError);
   EXPECT_THROW((void)rational_form(Torus{Frame{}, 3.0, 1.0}, box(0, 0, 5000, 5000)), GeometryError);
+  EXPECT_THROW((void)rational_form(Cylinder{Frame{}, nan}, box(0, 0, 1, 1)), GeometryError);
   const Hyperbola<3> hyperbola{Vec3::Zero(), Vec3::UnitX(), Vec3::UnitY()};
   EXPECT_THROW((void)rational_form(Extrusion{hyperbola, Vec3::UnitZ()}, box(0, 0, 800, 1)), GeometryError);
 }
