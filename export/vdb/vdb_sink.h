@@ -13,6 +13,7 @@ struct VdbOptions {
 
 /// One OpenVDB file: fog `density`, one float mask `density_<material>` each, float `material` ids (0 void, 1 + id),
 /// id-to-name metadata, and a voxel-centre transform with the true anisotropic pitch.
-[[nodiscard]] std::unique_ptr<LayerSink> make_vdb_sink(const std::filesystem::path& file, const VdbOptions& options = {});
+[[nodiscard]] std::unique_ptr<LayerSink> make_vdb_sink(const std::filesystem::path& file,
+                                                       const VdbOptions& options = {});
 
 }  // namespace lamella

@@ -1,0 +1,296 @@
+#include "export/vdb/vdb_sink.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <mutex>
+#include <openvdb/io/Archive.h>
+#include <openvdb/openvdb.h>
+#include <openvdb/tools/Prune.h>
+#include <optional>
+#include <string>
+
+#include "core/error.h"
+#include "core/sha256.h"
+#include "core/utf8.h"
+#include "export/build_check.h"
+#include "export/file_name.h"
+#include "export/output_file.h"
+#include "export/vdb/slab.h"
+
+namespace lamella {
+
+namespace {
+
+constexpr std::int64_t kMaxVoxelsPerAxis = std::int64_t{1} << 20;
+constexpr double kUniformLayers = 1e-6;  // of the pitch: no voxel is displaced by more than that
+constexpr const char* kCreator = "Lamella";
+
+void initialise_library() {
+  static std::once_flag done;
+  std::call_once(done, [] { openvdb::initialize(); });
+}
+
+/// Gives access to the writing of an archive to any stream, so that failures of ours are seen; openvdb::io::File opens
+/// its stream itself and does not look at it after the last write.
+class StreamArchive final : public openvdb::io::Archive {
+ public:
+  void write_to(std::ostream& stream, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) const {
+    Archive::write(stream, grids, true, metadata);
+  }
+};
+
+/// `text` as UTF-8 without zero bytes; readers refuse other metadata.
+std::string clean_text(const std::string& text) {
+  std::string out;
+  for (std::size_t at = 0; at < text.size();) {
+    const CodePoint c = decode_utf8(text, at);
+    const bool keep = c.length != 0 && c.value != 0;
+    out += keep ? text.substr(at, c.length) : std::string("\xEF\xBF\xBD");
+    at += std::max<std::size_t>(c.length, 1);
+  }
+  return out;
+}
+
+/// A grid under construction: runs arrive as tiles and whole leaves, never as single voxels.
+template <class GridT>
+class GridBuilder {
+ public:
+  using Value = typename GridT::ValueType;
+
+  explicit GridBuilder(const std::string& name) : grid_(GridT::create(Value(0))), accessor_(grid_->tree()) {
+    grid_->setName(name);
+    grid_->setCreator(kCreator);
+    grid_->insertMeta("unit", openvdb::StringMetadata("mm"));
+  }
+
+  void add_tile(const openvdb::Coord& corner, Value value) {
+    accessor_.addTile(1, corner, value, true);  // level 1: one entry of the leaves' parent
+  }
+
+  /// A leaf whose voxels have `value_of(label)`, active where that isn't 0; a tile if they are all equal.
+  template <class ValueOf>
+  void add_leaf(const openvdb::Coord& corner, const LeafLabels& labels, ValueOf value_of) {
+    std::array<Value, 512> values;
+    for (std::size_t n = 0; n < 512; ++n) values[n] = value_of(labels[n]);
+    const bool uniform = std::all_of(values.begin(), values.end(), [&](Value v) { return v == values[0]; });
+    if (uniform) {
+      if (values[0] != Value(0)) add_tile(corner, values[0]);
+      return;
+    }
+    typename GridT::TreeType::LeafNodeType::NodeMaskType active;
+    for (openvdb::Index32 n = 0; n < 512; ++n) {
+      if (values[n] != Value(0)) active.setOn(n);
+    }
+    auto* leaf = accessor_.touchLeaf(corner);
+    std::copy(values.begin(), values.end(), leaf->buffer().data());
+    leaf->setValueMask(active);
+  }
+
+  [[nodiscard]] const typename GridT::Ptr& grid() const { return grid_; }
+
+ private:
+  typename GridT::Ptr grid_;
+  openvdb::tree::ValueAccessor<typename GridT::TreeType> accessor_;
+};
+
+using FloatBuilder = GridBuilder<openvdb::FloatGrid>;
+using IntBuilder = GridBuilder<openvdb::Int32Grid>;
+
+/// All grids of one build.
+class GridSet {
+ public:
+  GridSet(const BuildInfo& info, const VdbOptions& options)
+      : transform_(make_transform(info.plan.grid)), density_("density"), material_("material") {
+    std::vector<std::string> names;
+    for (const Material& material : info.materials) names.push_back(material.name);
+    for (const std::string& name : safe_file_names(names)) masks_.emplace_back("density_" + name);
+    if (options.integer_ids) ids_.emplace("material_id");
+    describe(info);
+  }
+
+  void add_uniform(const openvdb::Coord& corner, std::uint32_t label) {
+    density_.add_tile(corner, 1.0f);
+    masks_[label - 1].add_tile(corner, 1.0f);
+    material_.add_tile(corner, static_cast<float>(label));
+    if (ids_) ids_->add_tile(corner, static_cast<std::int32_t>(label));
+  }
+
+  void add_mixed(const openvdb::Coord& corner, const LeafLabels& labels) {
+    density_.add_leaf(corner, labels, [](std::uint32_t label) { return label != 0 ? 1.0f : 0.0f; });
+    material_.add_leaf(corner, labels, [](std::uint32_t label) { return static_cast<float>(label); });
+    if (ids_) ids_->add_leaf(corner, labels, [](std::uint32_t label) { return static_cast<std::int32_t>(label); });
+    LeafLabels distinct = labels;
+    std::sort(distinct.begin(), distinct.end());
+    const auto end = std::unique(distinct.begin(), distinct.end());
+    for (auto label = distinct.begin(); label != end; ++label) {
+      if (*label == 0) continue;
+      masks_[*label - 1].add_leaf(corner, labels, [&](std::uint32_t l) { return l == *label ? 1.0f : 0.0f; });
+    }
+  }
+
+  /// Merges equal neighbours into larger tiles and returns the grids in the order of the file.
+  [[nodiscard]] openvdb::GridCPtrVec finish() {
+    openvdb::GridCPtrVec grids;
+    const auto add = [&](auto& builder) {
+      openvdb::tools::prune(builder.grid()->tree());
+      grids.push_back(builder.grid());
+    };
+    add(density_);
+    add(material_);
+    for (FloatBuilder& mask : masks_) add(mask);
+    if (ids_) add(*ids_);
+    return grids;
+  }
+
+ private:
+  /// Index (i, j, k) goes to the centre of its voxel in mm (command.md, raster lattice).
+  static openvdb::math::Transform::Ptr make_transform(const Grid& grid) {
+    const Vec3 centre = grid.origin + 0.5 * grid.pitch;
+    return std::make_shared<openvdb::math::Transform>(openvdb::math::MapBase::Ptr(new openvdb::math::ScaleTranslateMap(
+        {grid.pitch.x(), grid.pitch.y(), grid.pitch.z()}, {centre.x(), centre.y(), centre.z()})));
+  }
+
+  void describe(const BuildInfo& info) {
+    density_.grid()->setGridClass(openvdb::GRID_FOG_VOLUME);
+    describe_names(*density_.grid(), info);
+    describe_names(*material_.grid(), info);
+    if (ids_) describe_names(*ids_->grid(), info);
+    for (MaterialId id : info.materials.ids()) {
+      openvdb::FloatGrid& mask = *masks_[id.value()].grid();
+      mask.setGridClass(openvdb::GRID_FOG_VOLUME);
+      mask.setTransform(transform_->copy());
+      const Material& material = info.materials[id];
+      mask.insertMeta("material_id", openvdb::Int32Metadata(static_cast<std::int32_t>(1 + id.value())));
+      mask.insertMeta("material_name", openvdb::StringMetadata(clean_text(material.name)));
+      const openvdb::Vec3s color(static_cast<float>(material.color[0]), static_cast<float>(material.color[1]),
+                                 static_cast<float>(material.color[2]));
+      mask.insertMeta("color", openvdb::Vec3SMetadata(color));
+      if (material.density) mask.insertMeta("density_g_cm3", openvdb::DoubleMetadata(*material.density));
+    }
+  }
+
+  void describe_names(openvdb::GridBase& grid, const BuildInfo& info) const {
+    grid.setTransform(transform_->copy());
+    insert_names(grid, info);
+  }
+
+ public:
+  /// The table of labels: `material_1` is the name of the material with label 1, and so on.
+  static void insert_names(openvdb::MetaMap& metadata, const BuildInfo& info) {
+    for (MaterialId id : info.materials.ids()) {
+      metadata.insertMeta("material_" + std::to_string(1 + id.value()),
+                          openvdb::StringMetadata(clean_text(info.materials[id].name)));
+    }
+  }
+
+ private:
+  openvdb::math::Transform::Ptr transform_;
+  FloatBuilder density_;
+  FloatBuilder material_;
+  std::vector<FloatBuilder> masks_;
+  std::optional<IntBuilder> ids_;
+};
+
+/// Writes `digest` in the place of the random UUID that OpenVDB puts into a file's header, so that the same build gives
+/// the same bytes. The UUID only tells files apart; version 8 (RFC 9562) leaves its contents to the maker.
+void set_file_id(std::ostream& stream, const std::string& digest) {
+  constexpr std::streamoff kPlace = 8 + 4 + 4 + 4 + 1;  // magic, file version, library version, offsets flag
+  std::string id = digest.substr(0, 8) + "-" + digest.substr(8, 4) + "-8" + digest.substr(13, 3) + "-8" +
+                   digest.substr(17, 3) + "-" + digest.substr(20, 12);
+  stream.seekp(kPlace);
+  stream.write(id.data(), static_cast<std::streamsize>(id.size()));
+}
+
+void check_uniform_layers(const LayerPlan& plan) {
+  const double pitch = plan.grid.pitch.z();
+  for (std::size_t k = 0; k < plan.layers.size(); ++k) {
+    const double expected = plan.grid.origin.z() + (static_cast<double>(k) + 0.5) * pitch;
+    if (!(std::abs(plan.layers[k].z_sample - expected) <= kUniformLayers * pitch)) {
+      throw UsageError("layers of different thickness do not fit the uniform voxels of a VDB",
+                       "layer " + std::to_string(k), "slice with a uniform --layer-height");
+    }
+  }
+}
+
+class VdbSink final : public LayerSink {
+ public:
+  VdbSink(std::filesystem::path path, const VdbOptions& options) : path_(std::move(path)), options_(options) {}
+
+  void begin(const BuildInfo& info) override {
+    check_build(info);
+    check_uniform_layers(info.plan);
+    for (std::int64_t size : info.plan.grid.size) {
+      if (size > kMaxVoxelsPerAxis) {
+        throw UsageError("a VDB takes at most 2^20 voxels along an axis", path_.string(), "choose a coarser --pitch");
+      }
+    }
+    initialise_library();
+    info_ = info;
+    file_.emplace(path_);
+    grids_.emplace(info, options_);
+    slab_.emplace(info.plan.grid);
+    for (const Material& material : info.materials) digest_.update(std::as_bytes(std::span(material.name)));
+  }
+
+  void write(const Layer& layer) override {
+    check_layer(layer, info_);
+    if (last_ && layer.index <= *last_) throw ExportError("layers are not in order", path_.string());
+    last_ = layer.index;
+    const std::int64_t slab = layer.index / kLeafSide;
+    if (slab != slab_->index()) flush(slab);
+    slab_->add(layer);
+    add_to_digest(layer);
+  }
+
+  void finish(const SliceReport&) override {
+    flush(0);
+    const openvdb::GridCPtrVec grids = grids_->finish();
+    openvdb::MetaMap metadata;
+    metadata.insertMeta("creator", openvdb::StringMetadata(kCreator));
+    metadata.insertMeta("unit", openvdb::StringMetadata("mm"));
+    GridSet::insert_names(metadata, info_);
+    try {
+      StreamArchive().write_to(file_->stream(), grids, metadata);
+    } catch (const std::exception& error) {
+      throw ExportError(std::string("can't write VDB: ") + error.what(), path_.string());
+    }
+    set_file_id(file_->stream(), digest_.finish());
+    file_->commit();
+  }
+
+ private:
+  /// Hands the slab's leaves to the grids and begins another slab.
+  void flush(std::int64_t next) {
+    const std::int64_t z = slab_->index() * kLeafSide;
+    const auto corner = [&](std::int64_t i, std::int64_t j) {
+      return openvdb::Coord(static_cast<int>(i * kLeafSide), static_cast<int>(j * kLeafSide), static_cast<int>(z));
+    };
+    slab_->visit({[&](auto i, auto j, std::uint32_t label) { grids_->add_uniform(corner(i, j), label); },
+                  [&](auto i, auto j, const LeafLabels& labels) { grids_->add_mixed(corner(i, j), labels); }});
+    slab_->reset(next);
+  }
+
+  void add_to_digest(const Layer& layer) {
+    digest_.update(std::as_bytes(std::span(&layer.index, 1)));
+    digest_.update(std::as_bytes(std::span(layer.raster.row_start)));
+    digest_.update(std::as_bytes(std::span(layer.raster.segments)));
+  }
+
+  std::filesystem::path path_;
+  VdbOptions options_;
+  BuildInfo info_;
+  std::optional<OutputFile> file_;
+  std::optional<GridSet> grids_;
+  std::optional<Slab> slab_;
+  std::optional<std::uint32_t> last_;
+  Sha256 digest_;
+};
+
+}  // namespace
+
+std::unique_ptr<LayerSink> make_vdb_sink(const std::filesystem::path& file, const VdbOptions& options) {
+  return std::make_unique<VdbSink>(file, options);
+}
+
+}  // namespace lamella

@@ -1,0 +1,226 @@
+#include "export/vdb/vdb_sink.h"
+
+#include <csignal>
+#include <fstream>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <iterator>
+#include <map>
+#include <sstream>
+#include <sys/resource.h>
+
+#include "core/error.h"
+#include "tests/support/command.h"
+#include "tests/support/layers.h"
+
+namespace lamella::test {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+Grid small_grid() {
+  Grid grid;
+  grid.origin = {-3.1, 20.0, 0.7};
+  grid.pitch = {0.04, 0.08, 0.027};
+  grid.size = {53, 21, 19};
+  return grid;
+}
+
+std::vector<Layer> random_layers(const BuildInfo& info) {
+  std::mt19937 random(31);
+  std::vector<Layer> layers;
+  for (std::int64_t k = 0; k < info.plan.grid.size[2]; ++k) layers.push_back(random_layer(info, k, random));
+  return layers;
+}
+
+std::string bytes_of(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// What pyopenvdb says about a file: "item name" -> the rest of the line.
+struct VdbDescription {
+  std::map<std::string, std::string> items;
+  std::string labels;  ///< one byte per voxel, x fastest
+};
+
+VdbDescription describe(const fs::path& file, const Grid& grid, const std::string& more_grids) {
+  const TemporaryFolder folder;
+  std::ostringstream line;
+  line << "/usr/bin/python3 " << quoted(source_dir() / "tests" / "export" / "read_vdb.py") << ' ' << quoted(file) << ' '
+       << grid.size[0] << ' ' << grid.size[1] << ' ' << grid.size[2] << ' ' << quoted(folder / "labels") << ' '
+       << more_grids;
+  const CommandResult result = run_command(line.str());
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  VdbDescription description;
+  std::istringstream stream(result.output);
+  for (std::string item, name, rest; stream >> item >> name && std::getline(stream >> std::ws, rest);) {
+    description.items[item + " " + name] = rest;
+  }
+  description.labels = bytes_of(folder / "labels");
+  return description;
+}
+
+TEST(VdbSink, PyopenvdbReadsEveryVoxelAsTheSegmentAtItsCentre) {
+  const TemporaryFolder folder;
+  const BuildInfo info = make_build(small_grid(), {"steel", "rubber", "clear glass"});
+  const auto layers = random_layers(info);
+  feed(*make_vdb_sink(folder / "a.vdb"), info, layers);
+  const auto vdb = describe(folder / "a.vdb", info.plan.grid, "density_steel density_rubber density_clear_glass");
+  std::string expected;
+  for (const Layer& layer : layers) {
+    for (std::int64_t j = 0; j < 21; ++j) {
+      for (std::int64_t i = 0; i < 53; ++i) expected += static_cast<char>(1 + label_of(layer, info.plan.grid, i, j));
+    }
+  }
+  EXPECT_EQ(vdb.labels, expected);
+  const auto counts = count_labels(layers, info);
+  EXPECT_EQ(vdb.items.at("active density_steel"), std::to_string(counts[0]));
+  EXPECT_EQ(vdb.items.at("sum density_rubber"), std::to_string(counts[1]));
+  EXPECT_EQ(vdb.items.at("active density_clear_glass"), std::to_string(counts[2]));
+  EXPECT_EQ(vdb.items.at("active density"), std::to_string(counts[0] + counts[1] + counts[2]));
+  EXPECT_EQ(vdb.items.at("sum density"), std::to_string(counts[0] + counts[1] + counts[2]));
+}
+
+TEST(VdbSink, StatesClassCreatorNamesAndTheTrueTransform) {
+  const TemporaryFolder folder;
+  const BuildInfo info = make_build(small_grid(), {"steel", "r\u00FCbber"});
+  feed(*make_vdb_sink(folder / "a.vdb"), info, random_layers(info));
+  const auto vdb = describe(folder / "a.vdb", info.plan.grid, "density_steel");
+  EXPECT_EQ(vdb.items.at("grid density"), "fog volume Lamella mm");
+  EXPECT_EQ(vdb.items.at("grid density_steel"), "fog volume Lamella mm");
+  EXPECT_EQ(vdb.items.at("name 1"), "steel");
+  EXPECT_EQ(vdb.items.at("name 2"), "r\u00FCbber");
+  double x = 0.0, y = 0.0, z = 0.0;
+  std::istringstream pitch(vdb.items.at("pitch material"));
+  pitch >> x >> y >> z;
+  EXPECT_NEAR(x, 0.04, 1e-14);  // pyopenvdb takes differences of positions
+  EXPECT_NEAR(y, 0.08, 1e-14);
+  EXPECT_NEAR(z, 0.027, 1e-14);
+  std::istringstream centre(vdb.items.at("centre material"));
+  centre >> x >> y >> z;
+  EXPECT_DOUBLE_EQ(x, -3.1 + 0.02);
+  EXPECT_DOUBLE_EQ(y, 20.0 + 0.04);
+  EXPECT_DOUBLE_EQ(z, 0.7 + 0.0135);
+}
+
+TEST(VdbSink, VdbPrintAgreesOnActiveVoxelsAndIntegerIds) {
+  const TemporaryFolder folder;
+  const BuildInfo info = make_build(small_grid(), {"steel", "rubber"});
+  const auto layers = random_layers(info);
+  feed(*make_vdb_sink(folder / "a.vdb", {.integer_ids = true}), info, layers);
+  const auto counts = count_labels(layers, info);
+  const CommandResult result = run_command("vdb_print -m " + quoted(folder / "a.vdb"));
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  for (const char* name : {"density", "density_rubber", "density_steel", "material", "material_id"}) {
+    EXPECT_THAT(result.output, HasSubstr(std::string("name: ") + name));
+  }
+  EXPECT_THAT(result.output, HasSubstr("file_voxel_count: " + std::to_string(counts[0])));
+  EXPECT_THAT(result.output, HasSubstr("file_voxel_count: " + std::to_string(counts[0] + counts[1])));
+  const CommandResult list = run_command("vdb_print " + quoted(folder / "a.vdb"));
+  EXPECT_THAT(list.output, HasSubstr("material_id"));
+  EXPECT_THAT(list.output, HasSubstr("int32"));
+}
+
+TEST(VdbSink, HasIntegerIdsOnlyWhenAsked) {
+  const TemporaryFolder folder;
+  const BuildInfo info = make_build(small_grid(), {"steel"});
+  feed(*make_vdb_sink(folder / "a.vdb"), info, random_layers(info));
+  EXPECT_THAT(run_command("vdb_print " + quoted(folder / "a.vdb")).output, Not(HasSubstr("material_id")));
+}
+
+TEST(VdbSink, JGrowsWithYAndKWithZ) {
+  Grid grid = small_grid();
+  grid.size = {8, 8, 2};
+  const TemporaryFolder folder;
+  const BuildInfo info = make_build(grid, {"steel", "marker"});
+  const auto label = [&](std::int64_t i, std::int64_t j, std::int64_t k) { return l_shape_label(grid, i, j, k); };
+  feed(*make_vdb_sink(folder / "a.vdb"), info, {layer_of_labels(info, 0, label), layer_of_labels(info, 1, label)});
+  const std::string labels = describe(folder / "a.vdb", grid, "").labels;
+  ASSERT_EQ(labels.size(), 128u);
+  const auto at = [&](int i, int j, int k) { return static_cast<int>(labels[(k * 8 + j) * 8 + i]); };
+  EXPECT_EQ(at(7, 0, 1), 2);  // the marker: large x, small y, upper layer
+  EXPECT_EQ(at(7, 0, 0), 0);
+  EXPECT_EQ(at(0, 7, 1), 1);  // the upright of the L
+  EXPECT_EQ(at(7, 7, 1), 0);
+}
+
+TEST(VdbSink, SolidBlocksBecomeTilesInsteadOfVoxels) {
+  Grid grid = small_grid();
+  grid.size = {256, 256, 128};
+  const TemporaryFolder folder;
+  const BuildInfo info = make_build(grid, {"steel"});
+  const auto sink = make_vdb_sink(folder / "a.vdb");
+  sink->begin(info);
+  for (std::int64_t k = 0; k < 128; ++k) sink->write(layer_of_labels(info, k, [](auto, auto, auto) { return 0; }));
+  sink->finish({});
+  EXPECT_LT(fs::file_size(folder / "a.vdb"), 40000u);
+  EXPECT_EQ(describe(folder / "a.vdb", grid, "").items.at("active density"), std::to_string(256 * 256 * 128));
+}
+
+TEST(VdbSink, AnEmptyBuildIsAReadableFile) {
+  const TemporaryFolder folder;
+  const BuildInfo info = make_build(small_grid(), {"steel"});
+  feed(*make_vdb_sink(folder / "a.vdb"), info, {});
+  EXPECT_EQ(describe(folder / "a.vdb", info.plan.grid, "density_steel").items.at("active density_steel"), "0");
+}
+
+TEST(VdbSink, TheSameLayersGiveTheSameBytes) {
+  const TemporaryFolder folder;
+  const BuildInfo info = make_build(small_grid(), {"steel", "rubber"});
+  for (const char* name : {"a.vdb", "b.vdb"}) feed(*make_vdb_sink(folder / name), info, random_layers(info));
+  EXPECT_EQ(bytes_of(folder / "a.vdb"), bytes_of(folder / "b.vdb"));
+}
+
+TEST(VdbSink, HostileNamesStayReadable) {
+  const TemporaryFolder folder;
+  const BuildInfo info = make_build(small_grid(), {"a\xFF/..", "a//..", "", std::string("b\0c", 3)});
+  feed(*make_vdb_sink(folder / "a.vdb"), info, random_layers(info));
+  const auto vdb =
+      describe(folder / "a.vdb", info.plan.grid, "density_a__._ density_a__.__2 density_unnamed density_b_c");
+  EXPECT_EQ(vdb.items.at("name 1"), "a\uFFFD/..");
+  EXPECT_EQ(vdb.items.count("active density_unnamed"), 1u);
+}
+
+TEST(VdbSink, RefusesLayersOfDifferentThickness) {
+  const TemporaryFolder folder;
+  BuildInfo info = make_build(small_grid(), {"steel"});
+  info.plan.layers[7].z_sample += 0.001;
+  EXPECT_THROW(make_vdb_sink(folder / "a.vdb")->begin(info), UsageError);
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+TEST(VdbSink, AKilledRunOrAFullDiskLeavesNothing) {
+  const TemporaryFolder folder;
+  const BuildInfo info = make_build(small_grid(), {"steel", "rubber"});
+  const auto layers = random_layers(info);
+  {
+    const auto sink = make_vdb_sink(folder / "a.vdb");
+    sink->begin(info);
+    sink->write(layers[0]);
+  }
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+  rlimit old{};
+  ::getrlimit(RLIMIT_FSIZE, &old);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit tight{5000, old.rlim_max};
+  ::setrlimit(RLIMIT_FSIZE, &tight);
+  EXPECT_THROW(feed(*make_vdb_sink(folder / "a.vdb"), info, layers), ExportError);
+  ::setrlimit(RLIMIT_FSIZE, &old);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+TEST(VdbSink, RefusesTargetsThatAreNotPlainFiles) {
+  const TemporaryFolder folder;
+  const BuildInfo info = make_build(small_grid(), {"steel"});
+  std::ofstream(folder / "file") << "x";
+  EXPECT_THROW(make_vdb_sink(folder.path())->begin(info), ExportError);
+  EXPECT_THROW(make_vdb_sink(folder / "file" / "a.vdb")->begin(info), ExportError);
+  EXPECT_THROW(make_vdb_sink("/dev/full")->begin(info), ExportError);
+}
+
+}  // namespace
+}  // namespace lamella::test
