@@ -19,6 +19,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/evaluate.h"
 #include "model/step/convert_geometry.h"
 #include "model/step/curve_box.h"
 #include "model/step/loop_order.h"
@@ -50,6 +51,7 @@ class SolidConverter {
   void add_face(const TopoDS_Face& face);
   FaceDraft draft_face(const TopoDS_Face& face);
   Chain draft_wire(const TopoDS_Shape& wire, const TopoDS_Face& face, const Surface* plane);
+  void cover_deviations(const FaceDraft& draft);
   void commit(FaceDraft draft);
   EdgeId edge_id(const TopoDS_Edge& edge);
   Edge convert_edge(const TopoDS_Edge& edge);
@@ -144,7 +146,9 @@ void SolidConverter::add_face(const TopoDS_Face& face) {
     return report(face, "the face doesn't bound the solid and is left out");
   }
   try {
-    commit(draft_face(face));
+    FaceDraft draft = draft_face(face);
+    cover_deviations(draft);
+    commit(std::move(draft));
     return;
   } catch (const Unconvertible& error) {
     report(face, error.what());
@@ -226,6 +230,27 @@ Chain SolidConverter::draft_wire(const TopoDS_Shape& wire, const TopoDS_Face& fa
     chain.push_back(std::move(half_edge));
   }
   return chain;
+}
+
+/// Raises the edges' tolerances to what the distance between curve and pcurve needs: the import states less where it
+/// doesn't measure, on planes above all.
+void SolidConverter::cover_deviations(const FaceDraft& draft) {
+  constexpr int kSamples = 24;
+  constexpr double kBetweenSamples = 1.1;  // the largest distance may lie between two samples
+  for (const Chain& loop : draft.loops) {
+    for (const HalfEdge& half_edge : loop) {
+      Edge& edge = scene_.edges[half_edge.edge];
+      if (edge.degenerate) continue;
+      double worst = 0.0;
+      for (int i = 0; i <= kSamples; ++i) {
+        const double s = static_cast<double>(i) / kSamples;
+        const Vec3 in_space = evaluate<3>(edge.curve, edge.range.lo + s * edge.range.length()).point;
+        const Vec2 uv = evaluate<2>(half_edge.pcurve, half_edge.prange.lo + s * half_edge.prange.length()).point;
+        worst = std::max(worst, (evaluate_point(draft.face.surface, uv) - in_space).norm());
+      }
+      if (worst > edge.tolerance) edge.tolerance = kBetweenSamples * worst;
+    }
+  }
 }
 
 void SolidConverter::commit(FaceDraft draft) {
