@@ -12,7 +12,7 @@ namespace lamella {
 
 namespace {
 
-constexpr int kMaxLevel = 7;
+constexpr int kMaxLevel = 8;
 /// Surface evaluations one level of one face may take: about a second.
 constexpr double kMaxCost = 2e7;
 /// Of the surface area: the |n| integrals only bound a quadrature error.
@@ -20,45 +20,74 @@ constexpr double kAbsNormalError = 3e-3;
 /// Sums of products of lengths of this size carry rounding of a few ulp, which no refinement removes.
 constexpr double kRounding = 1e-14;
 
-/// One face, integrated at two levels; the difference is the estimate of the coarser one's error.
-class FaceEstimate {
- public:
-  FaceEstimate(const Scene& scene, FaceId face, const Vec3& reference)
-      : face_(face), quadrature_(scene, face), reference_(reference), value_(quadrature_.integrate(reference, 0)) {
-    refine();
-  }
-
-  [[nodiscard]] bool can_refine() const { return level_ < kMaxLevel && quadrature_.cost(level_ + 1) <= kMaxCost; }
-
-  void refine() {
-    const FaceIntegrals coarse = value_;
-    value_ = quadrature_.integrate(reference_, ++level_);
-    volume_error_ = std::abs(value_.flux - coarse.flux);
-    area_error_ = std::abs(value_.area - coarse.area);
-    abs_error_ = (value_.abs_normal_area - coarse.abs_normal_area).cwiseAbs().maxCoeff();
-  }
-
-  [[nodiscard]] FaceId face() const { return face_; }
-  [[nodiscard]] const FaceIntegrals& value() const { return value_; }
-  [[nodiscard]] double volume_error() const { return volume_error_; }
-  [[nodiscard]] double area_error() const { return area_error_; }
-  [[nodiscard]] double abs_error() const { return abs_error_; }
-
- private:
-  FaceId face_;
-  FaceQuadrature quadrature_;
-  Vec3 reference_;
-  int level_ = 0;
-  FaceIntegrals value_;
-  double volume_error_ = 0.0;
-  double area_error_ = 0.0;
-  double abs_error_ = 0.0;
-};
-
 struct Errors {
   double volume = 0.0;
   double area = 0.0;
   double abs_normal = 0.0;
+
+  Errors& operator+=(const Errors& other) {
+    volume += other.volume;
+    area += other.area;
+    abs_normal += other.abs_normal;
+    return *this;
+  }
+};
+
+Errors difference(const FaceIntegrals& a, const FaceIntegrals& b) {
+  return {std::abs(a.flux - b.flux), std::abs(a.area - b.area),
+          (a.abs_normal_area - b.abs_normal_area).cwiseAbs().maxCoeff()};
+}
+
+/// One face and what its integrals change by when either of the two levels is one lower.
+class FaceEstimate {
+ public:
+  FaceEstimate(const Scene& scene, FaceId face, const Vec3& reference)
+      : face_(face), quadrature_(scene, face), reference_(reference) {
+    update();
+  }
+
+  /// Raises the levels whose share of the error is above `allowed`; false if the work it may take is spent.
+  bool refine(const Errors& allowed) {
+    const bool outer = exceeds(outer_error_, allowed);
+    const bool inner = exceeds(inner_error_, allowed);
+    const QuadratureLevel finer{level_.outer + outer, level_.inner + inner};
+    if (!(outer || inner) || std::max(finer.outer, finer.inner) > kMaxLevel || quadrature_.cost(finer) > kMaxCost) {
+      return false;
+    }
+    level_ = finer;
+    update();
+    return true;
+  }
+
+  [[nodiscard]] FaceId face() const { return face_; }
+  [[nodiscard]] const FaceIntegrals& value() const { return value_; }
+  [[nodiscard]] Errors errors() const {
+    Errors errors = outer_error_;
+    errors += inner_error_;
+    return errors;
+  }
+
+ private:
+  static bool exceeds(const Errors& errors, const Errors& allowed) {
+    return errors.volume > 0.5 * allowed.volume || errors.area > 0.5 * allowed.area ||
+           errors.abs_normal > 0.5 * allowed.abs_normal;
+  }
+
+  void update() {
+    value_ = quadrature_.integrate(reference_, level_);
+    outer_error_ = difference(value_, quadrature_.integrate(reference_, {level_.outer - 1, level_.inner}));
+    if (quadrature_.has_inner_levels()) {
+      inner_error_ = difference(value_, quadrature_.integrate(reference_, {level_.outer, level_.inner - 1}));
+    }
+  }
+
+  FaceId face_;
+  FaceQuadrature quadrature_;
+  Vec3 reference_;
+  QuadratureLevel level_;
+  FaceIntegrals value_;
+  Errors outer_error_;
+  Errors inner_error_;
 };
 
 class Integration {
@@ -105,11 +134,7 @@ class Integration {
 
   [[nodiscard]] Errors errors() const {
     Errors errors;
-    for (const FaceEstimate& face : estimates_) {
-      errors.volume += face.volume_error();
-      errors.area += face.area_error();
-      errors.abs_normal += face.abs_error();
-    }
+    for (const FaceEstimate& face : estimates_) errors += face.errors();
     return errors;
   }
 
@@ -125,17 +150,11 @@ class Integration {
 
   /// Refines the faces that hold more than their share of an error; false if none can be refined further.
   bool refine_worst() {
-    const Errors limit = allowed();
     const double share = 1.0 / static_cast<double>(estimates_.size());
+    const Errors all = allowed();
+    const Errors limit{share * all.volume, share * all.area, share * all.abs_normal};
     bool refined = false;
-    for (FaceEstimate& face : estimates_) {
-      const bool poor = face.volume_error() > share * limit.volume || face.area_error() > share * limit.area ||
-                        face.abs_error() > share * limit.abs_normal;
-      if (poor && face.can_refine()) {
-        face.refine();
-        refined = true;
-      }
-    }
+    for (FaceEstimate& face : estimates_) refined = face.refine(limit) || refined;
     return refined;
   }
 
@@ -182,9 +201,9 @@ double winding_number(const Scene& scene, std::span<const FaceId> faces, const V
   const double share = kGoodEnough / static_cast<double>(std::max<std::size_t>(faces.size(), 1));
   for (const FaceId face : faces) {
     const FaceQuadrature quadrature(scene, face);
-    double value = quadrature.solid_angle(point, 0);
-    for (int level = 1; level <= kMaxLevel && quadrature.cost(level) <= 0.1 * kMaxCost; ++level) {
-      const double finer = quadrature.solid_angle(point, level);
+    double value = quadrature.solid_angle(point, {0, 0});
+    for (int level = 1; level <= kMaxLevel && quadrature.cost({level, level}) <= 0.1 * kMaxCost; ++level) {
+      const double finer = quadrature.solid_angle(point, {level, level});
       const double change = std::abs(finer - value);
       value = finer;
       if (change <= 4.0 * kPi * share) break;

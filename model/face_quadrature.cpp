@@ -292,36 +292,40 @@ Sums FaceQuadrature::integrate_border(Inner& inner, int level, int outer_nodes) 
 }
 
 template <class Sums, class Integrand>
-Sums FaceQuadrature::integrate(int level, int min_nodes, const Integrand& integrand) const {
+Sums FaceQuadrature::integrate(QuadratureLevel level, int min_nodes, const Integrand& integrand) const {
   const int nodes = std::max(inner_nodes_, min_nodes);
   const int outer = std::max(outer_nodes_, min_nodes);
   const auto run = [&](auto line) {
-    InnerIntegral<Sums, decltype(line), Integrand> inner(line, integrand, panels_v_, level, nodes);
-    return integrate_border<Sums>(inner, level, outer);
+    InnerIntegral<Sums, decltype(line), Integrand> inner(line, integrand, panels_v_, level.inner, nodes);
+    return integrate_border<Sums>(inner, level.outer, outer);
   };
   if (const auto* spline = std::get_if<BSplineSurface>(&face_.surface)) return run(SplineLine(*spline));
   if (const auto* fitted = std::get_if<FittedSurface>(&face_.surface)) return run(SplineLine(fitted->fit));
+  if (const auto* turned = std::get_if<Revolution>(&face_.surface)) return run(RevolutionLine(*turned));
   return run(AnalyticLine(face_.surface));
 }
 
-FaceIntegrals FaceQuadrature::integrate(const Vec3& reference, int level) const {
+FaceIntegrals FaceQuadrature::integrate(const Vec3& reference, QuadratureLevel level) const {
   const Sums5 sums = integrate<Sums5>(level, 1, MeasureIntegrand{reference});
   return {face_.same_sense ? sums[0] : -sums[0], sums[1], Vec3(sums[2], sums[3], sums[4])};
 }
 
-double FaceQuadrature::solid_angle(const Vec3& point, int level) const {
+double FaceQuadrature::solid_angle(const Vec3& point, QuadratureLevel level) const {
   const double angle = integrate<Sums1>(level, kAnalyticNodes, SolidAngleIntegrand{point})[0];
   return face_.same_sense ? angle : -angle;
 }
 
-double FaceQuadrature::cost(int level) const {
+double FaceQuadrature::cost(QuadratureLevel level) const {
   double cost = 0.0;
   for (const Strip& strip : strips_) {
     const double v = border_point(border_[strip.piece], strip.s.middle()).uv.y();
     const auto above = std::upper_bound(panels_v_.begin(), panels_v_.end(), v);
     cost += static_cast<double>(std::max<std::ptrdiff_t>(above - panels_v_.begin(), 1));
   }
-  return cost * nodes_at(level, inner_nodes_) * nodes_at(level, outer_nodes_) * parts_at(level) * parts_at(level);
+  return cost * nodes_at(level.inner, inner_nodes_) * parts_at(level.inner) * nodes_at(level.outer, outer_nodes_) *
+         parts_at(level.outer);
 }
+
+bool FaceQuadrature::has_inner_levels() const { return nodes_at(0, inner_nodes_) != inner_nodes_; }
 
 }  // namespace lamella

@@ -19,11 +19,17 @@ struct FaceIntegrals {
   [[nodiscard]] bool is_finite() const;
 };
 
+/// How fine a quadrature is along the border and across the face. Level 0 takes three fifths of the nodes of level 1,
+/// every further level halves the panels, so that the difference of two levels estimates the error of the lower one.
+struct QuadratureLevel {
+  int outer = 1;
+  int inner = 1;
+};
+
 /// Quadrature over the trimmed (u, v) region D of a face by Green's theorem,
 ///   integral of F over D = - contour integral of H du over the border, H(u, v) = integral of F(u, s) ds from v0 to v,
 /// both by composite Gauss-Legendre rules whose panels end at the surface's knots; the border's pieces also end where
-/// they cross a knot line. Level 0 takes three fifths of the nodes of level 1, every further level halves the panels,
-/// so that the difference of two levels estimates the error of the lower one. See docs/methods/measure.md.
+/// they cross a knot line. See docs/methods/measure.md.
 class FaceQuadrature {
  public:
   /// Throws GeometryError as TrimRegion does. The scene must outlive the object.
@@ -31,11 +37,13 @@ class FaceQuadrature {
 
   /// Area of the region in (u, v); positive unless the loops contradict the face's orientation.
   [[nodiscard]] double parameter_area() const;
-  [[nodiscard]] FaceIntegrals integrate(const Vec3& reference, int level) const;
+  [[nodiscard]] FaceIntegrals integrate(const Vec3& reference, QuadratureLevel level) const;
   /// Solid angle of the face seen from `point`, positive where its back is seen (from inside a solid).
-  [[nodiscard]] double solid_angle(const Vec3& point, int level) const;
+  [[nodiscard]] double solid_angle(const Vec3& point, QuadratureLevel level) const;
   /// Number of surface evaluations integrate() takes at this level.
-  [[nodiscard]] double cost(int level) const;
+  [[nodiscard]] double cost(QuadratureLevel level) const;
+  /// False where level 0 is exact across the face already.
+  [[nodiscard]] bool has_inner_levels() const;
 
  private:
   /// Part of a border piece within which the integrand is smooth.
@@ -50,7 +58,7 @@ class FaceQuadrature {
   void add_strips(std::size_t piece, const std::vector<double>& cuts);
 
   template <class Sums, class Integrand>
-  [[nodiscard]] Sums integrate(int level, int min_nodes, const Integrand& integrand) const;
+  [[nodiscard]] Sums integrate(QuadratureLevel level, int min_nodes, const Integrand& integrand) const;
   template <class Sums, class Inner>
   [[nodiscard]] Sums integrate_border(Inner& inner, int level, int outer_nodes) const;
 

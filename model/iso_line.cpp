@@ -4,6 +4,19 @@
 
 namespace lamella {
 
+void RevolutionLine::set_nodes(const std::vector<double>& nodes) {
+  nodes_.clear();
+  nodes_.reserve(nodes.size());
+  for (const double v : nodes) nodes_.push_back(evaluate<3>(surface_.meridian, v));
+}
+
+void RevolutionLine::set_u(double u) { rotation_ = Eigen::AngleAxisd(u, surface_.axis_direction).toRotationMatrix(); }
+
+SurfacePoint RevolutionLine::turned(const CurvePoint<3>& at) const {
+  const Vec3 way = rotation_ * (at.point - surface_.axis_origin);
+  return {surface_.axis_origin + way, surface_.axis_direction.cross(way), rotation_ * at.dt};
+}
+
 SplineLine::SplineLine(const BSplineSurface& surface)
     : surface_(surface), column_(surface.count_v), column_u_(surface.count_v) {
   net_.reserve(surface.poles.size());

@@ -26,6 +26,24 @@ class AnalyticLine {
   double u_ = 0.0;
 };
 
+/// For surfaces of revolution: the meridian is evaluated once per node, then only turned.
+class RevolutionLine {
+ public:
+  explicit RevolutionLine(const Revolution& surface) : surface_(surface) {}
+
+  void set_nodes(const std::vector<double>& nodes);
+  void set_u(double u);
+  [[nodiscard]] SurfacePoint at(double v) const { return turned(evaluate<3>(surface_.meridian, v)); }
+  [[nodiscard]] SurfacePoint at_node(std::size_t i) const { return turned(nodes_[i]); }
+
+ private:
+  [[nodiscard]] SurfacePoint turned(const CurvePoint<3>& at) const;
+
+  const Revolution& surface_;
+  std::vector<CurvePoint<3>> nodes_;
+  Mat3 rotation_ = Mat3::Identity();
+};
+
 /// For B-spline surfaces: the net is contracted to a curve once per u, and the B-splines in v are kept at the nodes, so
 /// that a point costs one sum of degree_v + 1 terms.
 class SplineLine {
