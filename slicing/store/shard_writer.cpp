@@ -36,12 +36,20 @@ hdf5::Properties timeless(hid_t kind, const fs::path& path) {
   return properties;
 }
 
+/// Groups that know the order of their members also have the compact form of HDF5 1.8.
+void keep_order(const hdf5::Properties& creation, const fs::path& path) {
+  written(H5Pset_link_creation_order(creation.id(), H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED), path);
+}
+
 hdf5::File create_in_memory(const fs::path& path) {
   const hdf5::Properties access(written(H5Pcreate(H5P_FILE_ACCESS), path));
   written(H5Pset_fapl_core(access.id(), kImageStep, false), path);
-  // One-chunk indexes and compact headers; read by HDF5 1.10 and later.
-  written(H5Pset_libver_bounds(access.id(), H5F_LIBVER_V110, H5F_LIBVER_V110), path);
+  // The oldest superblock: later ones have a checksum that H5Fget_file_image leaves stale.
+  written(H5Pset_libver_bounds(access.id(), H5F_LIBVER_EARLIEST, H5F_LIBVER_V18), path);
   const hdf5::Properties creation = timeless(H5P_FILE_CREATE, path);
+  keep_order(creation, path);
+  // Most arrays are one chunk; the usual chunk index of 2 KiB for each would outweigh small layers.
+  written(H5Pset_istore_k(creation.id(), 2), path);
   return hdf5::File(written(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.id(), access.id()), path));
 }
 
@@ -65,6 +73,7 @@ std::string write_image(hdf5::File& file, const fs::path& path) {
 
 hdf5::Group create_group(const Place& parent, const std::string& name) {
   const hdf5::Properties creation = timeless(H5P_GROUP_CREATE, parent.path);
+  keep_order(creation, parent.path);
   return hdf5::Group(
       written(H5Gcreate2(parent.id, name.c_str(), H5P_DEFAULT, creation.id(), H5P_DEFAULT), parent.path));
 }

@@ -1,0 +1,448 @@
+#include "slicing/store/store.h"
+
+#include <fstream>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <map>
+#include <random>
+#include <signal.h>
+#include <sstream>
+#include <sys/resource.h>
+
+#include "core/error.h"
+#include "tests/support/layers.h"
+#include "tests/support/paths.h"
+
+namespace lamella {
+namespace {
+
+namespace fs = std::filesystem;
+using test::TemporaryFolder;
+using testing::HasSubstr;
+
+std::string read_file(const fs::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+void write_file(const fs::path& path, const std::string& bytes) {
+  fs::create_directories(path.parent_path());
+  std::ofstream(path, std::ios::binary) << bytes;
+}
+
+/// Path below `folder` and bytes of each file in it.
+std::map<std::string, std::string> contents(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.is_regular_file()) files[fs::relative(entry.path(), folder).string()] = read_file(entry.path());
+  }
+  return files;
+}
+
+/// A build with names that need escaping and layers large enough to be compressed.
+struct Sample {
+  BuildInfo info;
+  SliceReport report;
+  std::vector<Layer> layers;
+};
+
+Sample make_sample(std::int64_t layer_count = 5, bool hatch = true, unsigned seed = 1) {
+  Sample sample;
+  Grid grid;
+  grid.origin = Vec3(-1.0 / 3.0, 1e-3, -7);
+  grid.pitch = Vec3(0.1, 0.2, 0.3);
+  grid.size = {40, 60, layer_count};
+  sample.info = test::make_build(grid, {"PA 12", "TPU <\"&'>", "Kupfer \xC3\xA4\n2"});
+  sample.info.policy = OverlapPolicy::average;
+  sample.info.solids[SolidId{1}].priority = -5;
+  sample.info.solids[SolidId{1}].bounds = Box3();
+  sample.info.materials[MaterialId{2}].density.reset();
+  if (hatch) sample.info.plan.hatch = HatchLattice{0.3, 0.1, 1.0};
+  std::mt19937 random(seed);
+  for (std::int64_t k = 0; k < layer_count; ++k) {
+    sample.layers.push_back(test::random_layer(sample.info, k, random, hatch));
+  }
+  sample.report.layers = static_cast<std::uint64_t>(layer_count);
+  sample.report.rows = sample.report.rays = 60 * sample.report.layers;
+  sample.report.segments = 1234;
+  sample.report.cast.hits = 1ULL << 40;
+  sample.report.solids.resize(3);
+  sample.report.solids[SolidId{1}] = {0.1, 0.2, 0.3, true, "open"};
+  sample.report.materials.resize(3);
+  sample.report.materials[MaterialId{0}] = {1.0 / 3.0, 2e-300};
+  sample.report.overlaps.push_back({SolidId{0}, SolidId{2}, 0.7, 3});
+  sample.report.gaps.push_back({SolidId{1}, SolidId{2}, 1e-9, 1});
+  sample.report.findings.push_back({Severity::error, "/a/b", "face 3", "#12", "what & why", "a \"hint\""});
+  return sample;
+}
+
+void write_sample(const Sample& sample, const fs::path& folder, const StoreOptions& options = {2, 4}) {
+  const auto sink = make_store_sink(folder, options);
+  sink->begin(sample.info);
+  for (const Layer& layer : sample.layers) sink->write(layer);
+  sink->finish(sample.report);
+}
+
+void expect_same_info(const BuildInfo& a, const BuildInfo& b) {
+  ASSERT_EQ(a.sources.size(), b.sources.size());
+  EXPECT_EQ(a.sources[0].path, b.sources[0].path);
+  EXPECT_EQ(a.sources[0].sha256, b.sources[0].sha256);
+  ASSERT_EQ(a.materials.size(), b.materials.size());
+  for (const MaterialId id : a.materials.ids()) {
+    EXPECT_EQ(a.materials[id].name, b.materials[id].name);
+    EXPECT_EQ(a.materials[id].density, b.materials[id].density);
+    EXPECT_EQ(a.materials[id].color, b.materials[id].color);
+  }
+  ASSERT_EQ(a.solids.size(), b.solids.size());
+  for (const SolidId id : a.solids.ids()) {
+    EXPECT_EQ(a.solids[id].name, b.solids[id].name);
+    EXPECT_EQ(a.solids[id].path, b.solids[id].path);
+    EXPECT_EQ(a.solids[id].material, b.solids[id].material);
+    EXPECT_EQ(a.solids[id].priority, b.solids[id].priority);
+    EXPECT_EQ(a.solids[id].volume_exact, b.solids[id].volume_exact);
+    EXPECT_EQ(a.solids[id].bounds.isEmpty(), b.solids[id].bounds.isEmpty());
+    if (!a.solids[id].bounds.isEmpty()) {
+      EXPECT_EQ(a.solids[id].bounds.max(), b.solids[id].bounds.max());
+    }
+  }
+  EXPECT_EQ(a.policy, b.policy);
+  EXPECT_EQ(a.plan.grid.origin, b.plan.grid.origin);
+  EXPECT_EQ(a.plan.grid.pitch, b.plan.grid.pitch);
+  EXPECT_EQ(a.plan.grid.size, b.plan.grid.size);
+  ASSERT_EQ(a.plan.layers.size(), b.plan.layers.size());
+  for (std::size_t k = 0; k < a.plan.layers.size(); ++k) {
+    EXPECT_EQ(a.plan.layers[k].z_sample, b.plan.layers[k].z_sample);
+    EXPECT_EQ(a.plan.layers[k].z_top, b.plan.layers[k].z_top);
+  }
+  ASSERT_EQ(a.plan.hatch.has_value(), b.plan.hatch.has_value());
+  if (a.plan.hatch) {
+    EXPECT_EQ(a.plan.hatch->rotation, b.plan.hatch->rotation);
+  }
+}
+
+void expect_same_report(const SliceReport& a, const SliceReport& b) {
+  EXPECT_EQ(a.layers, b.layers);
+  EXPECT_EQ(a.segments, b.segments);
+  EXPECT_EQ(a.cast.hits, b.cast.hits);
+  ASSERT_EQ(a.solids.size(), b.solids.size());
+  for (const SolidId id : a.solids.ids()) {
+    EXPECT_EQ(a.solids[id].volume_sliced, b.solids[id].volume_sliced);
+    EXPECT_EQ(a.solids[id].volume_exact, b.solids[id].volume_exact);
+    EXPECT_EQ(a.solids[id].quadrature_bound, b.solids[id].quadrature_bound);
+    EXPECT_EQ(a.solids[id].left_out, b.solids[id].left_out);
+    EXPECT_EQ(a.solids[id].status, b.solids[id].status);
+  }
+  EXPECT_EQ(a.materials[MaterialId{0}].volume, b.materials[MaterialId{0}].volume);
+  EXPECT_EQ(a.materials[MaterialId{0}].mass, b.materials[MaterialId{0}].mass);
+  ASSERT_EQ(a.overlaps.size(), b.overlaps.size());
+  EXPECT_EQ(a.overlaps[0].second, b.overlaps[0].second);
+  EXPECT_EQ(a.overlaps[0].volume, b.overlaps[0].volume);
+  ASSERT_EQ(a.gaps.size(), b.gaps.size());
+  ASSERT_EQ(a.findings.size(), b.findings.size());
+  EXPECT_EQ(a.findings[0].severity, b.findings[0].severity);
+  EXPECT_EQ(a.findings[0].what, b.findings[0].what);
+  EXPECT_EQ(a.findings[0].hint, b.findings[0].hint);
+}
+
+class RoundTrip : public testing::TestWithParam<std::tuple<bool, std::uint32_t, int>> {};
+
+TEST_P(RoundTrip, GivesEveryLayerBackBitForBit) {
+  const auto [hatch, per_shard, compression] = GetParam();
+  const TemporaryFolder folder;
+  const Sample sample = make_sample(5, hatch);
+  write_sample(sample, folder / "build", {per_shard, compression});
+  const StoreReader reader(folder / "build");
+  expect_same_info(reader.info(), sample.info);
+  expect_same_report(reader.report(), sample.report);
+  for (std::uint32_t k : {4u, 0u, 1u, 2u, 3u}) EXPECT_EQ(reader.read_layer(k), sample.layers[k]) << "layer " << k;
+  EXPECT_THROW((void)reader.read_layer(5), UsageError);
+}
+
+INSTANTIATE_TEST_SUITE_P(Layouts, RoundTrip,
+                         testing::Values(std::tuple(true, 2u, 4), std::tuple(false, 1u, 9), std::tuple(true, 64u, 0),
+                                         std::tuple(false, 5u, 1)));
+
+TEST(Store, KeepsLayersOfManyChunksAndOfNoSegments) {
+  const TemporaryFolder folder;
+  Sample sample = make_sample(2, false);
+  SegmentRows& rows = sample.layers[1].raster;
+  rows = {};
+  for (int r = 0; r < 60; ++r) rows.row_start.push_back(0);
+  rows.segments.clear();
+  SegmentRows& many = sample.layers[0].raster;
+  many = {};
+  for (int r = 0; r < 60; ++r) {
+    for (int i = 0; i < 5000; ++i) many.segments.push_back({i + 0.1 * r, i + 0.1 * r + 0.5, MaterialId{1}, SolidId{2}});
+    many.row_start.push_back(many.segments.size());
+  }
+  write_sample(sample, folder / "build");
+  const StoreReader reader(folder / "build");
+  EXPECT_EQ(reader.read_layer(0), sample.layers[0]);
+  EXPECT_EQ(reader.read_layer(1), sample.layers[1]);
+}
+
+TEST(Store, ReplaysARangeOfLayers) {
+  const TemporaryFolder folder;
+  const Sample sample = make_sample(5);
+  write_sample(sample, folder / "build");
+  const StoreReader reader(folder / "build");
+  test::CollectingSink sink;
+  reader.replay(sink, {1, 4});
+  EXPECT_EQ(sink.layers, std::vector<Layer>(sample.layers.begin() + 1, sample.layers.begin() + 4));
+  EXPECT_TRUE(sink.finished);
+  EXPECT_THROW(reader.replay(sink, {5, 9}), UsageError);
+  EXPECT_THROW(reader.replay(sink, {3, 3}), UsageError);
+}
+
+TEST(Store, WritesTheSameBytesAgain) {
+  const TemporaryFolder folder;
+  const Sample sample = make_sample(7);
+  write_sample(sample, folder / "a");
+  write_sample(make_sample(3, true, 99), folder / "other");
+  write_sample(sample, folder / "b");
+  EXPECT_EQ(contents(folder / "a"), contents(folder / "b"));
+  EXPECT_EQ(contents(folder / "a").size(), 4u + 2u) << "four shards, layers.h5 and build.xml";
+}
+
+TEST(Store, WritesABuildXmlThatItsSchemaAccepts) {
+  const TemporaryFolder folder;
+  write_sample(make_sample(), folder / "build");
+  const std::string command = "xmllint --nonet --noout --schema '" +
+                              (test::source_dir() / "schemas/build.xsd").string() + "' '" +
+                              (folder / "build").string() + "/build.xml' > /dev/null 2>&1";
+  EXPECT_EQ(std::system(command.c_str()), 0);
+}
+
+TEST(Store, RefusesAFolderThatHoldsSomethingElse) {
+  const TemporaryFolder folder;
+  write_file(folder / "photos/layers/000001.h5", "mine");
+  const auto sink = make_store_sink(folder / "photos");
+  EXPECT_THROW(sink->begin(make_sample().info), UsageError);
+  sink->abandon();
+  EXPECT_EQ(contents(folder / "photos").size(), 1u);
+  write_file(folder / "file", "mine");
+  EXPECT_THROW(make_store_sink(folder / "file")->begin(make_sample().info), ExportError);
+  EXPECT_THROW(make_store_sink(folder / "file/below")->begin(make_sample().info), ExportError);
+  EXPECT_EQ(read_file(folder / "file"), "mine");
+}
+
+TEST(Store, ReplacesAnOldBuildAndLeavesOtherFilesInItsFolder) {
+  const TemporaryFolder folder;
+  write_sample(make_sample(9), folder / "build");
+  write_file(folder / "build/notes.txt", "mine");
+  write_file(folder / "build/layers/notes.txt", "mine");
+  write_file(folder / "build/layers/000044.h5.part-1-2", "left by a killed run");
+  const Sample sample = make_sample(2);
+  write_sample(sample, folder / "build");
+  const auto files = contents(folder / "build");
+  EXPECT_EQ(files.size(), 5u) << "one shard, layers.h5, build.xml and two notes";
+  EXPECT_TRUE(files.contains("notes.txt") && files.contains("layers/notes.txt"));
+  EXPECT_EQ(StoreReader(folder / "build").read_layer(1), sample.layers[1]);
+}
+
+TEST(Store, LeavesAnInterruptedBuildRecognisable) {
+  const TemporaryFolder folder;
+  const Sample sample = make_sample(5);
+  {
+    const auto sink = make_store_sink(folder / "build", {2, 4});
+    sink->begin(sample.info);
+    for (int k = 0; k < 3; ++k) sink->write(sample.layers[static_cast<std::size_t>(k)]);
+  }
+  std::vector<std::string> names;
+  for (const auto& [name, bytes] : contents(folder / "build")) names.push_back(name);
+  EXPECT_EQ(names, (std::vector<std::string>{"layers/000000.h5", "unfinished.xml"}));
+  try {
+    const StoreReader reader(folder / "build");
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("unfinished"));
+  }
+  write_sample(sample, folder / "build");
+  EXPECT_EQ(StoreReader(folder / "build").read_layer(4), sample.layers[4]);
+}
+
+TEST(Store, RemovesEverythingWhenAbandoned) {
+  const TemporaryFolder folder;
+  const Sample sample = make_sample(5);
+  const auto sink = make_store_sink(folder / "build", {2, 4});
+  sink->begin(sample.info);
+  for (int k = 0; k < 3; ++k) sink->write(sample.layers[static_cast<std::size_t>(k)]);
+  sink->abandon();
+  EXPECT_FALSE(fs::exists(folder / "build"));
+}
+
+TEST(Store, RefusesToFinishABuildThatLacksLayers) {
+  const TemporaryFolder folder;
+  const Sample sample = make_sample(5);
+  const auto sink = make_store_sink(folder / "build");
+  sink->begin(sample.info);
+  sink->write(sample.layers[0]);
+  EXPECT_THROW(sink->write(sample.layers[2]), ExportError) << "out of order";
+  EXPECT_THROW(sink->finish(sample.report), ExportError);
+  EXPECT_FALSE(fs::exists(folder / "build/build.xml"));
+}
+
+TEST(Store, SaysSoWhenTheDiskIsFullAndLeavesNoHalfFile) {
+  const TemporaryFolder folder;
+  const Sample sample = make_sample(8);
+  const auto sink = make_store_sink(folder / "build", {8, 0});
+  sink->begin(sample.info);
+  // A limit on the size of files stands for a full disk.
+  rlimit old{};
+  getrlimit(RLIMIT_FSIZE, &old);
+  const auto old_handler = signal(SIGXFSZ, SIG_IGN);
+  const rlimit small{4096, old.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &small);
+  std::string path;
+  try {
+    for (const Layer& layer : sample.layers) sink->write(layer);
+  } catch (const ExportError& error) {
+    path = error.where();
+  }
+  setrlimit(RLIMIT_FSIZE, &old);
+  signal(SIGXFSZ, old_handler);
+  EXPECT_THAT(path, HasSubstr("000000.h5"));
+  EXPECT_EQ(contents(folder / "build").size(), 1u) << "only unfinished.xml";
+}
+
+TEST(Store, RefusesOptionsOutOfRange) {
+  EXPECT_THROW((void)make_store_sink("x", {0, 4}), UsageError);
+  EXPECT_THROW((void)make_store_sink("x", {64, 10}), UsageError);
+  EXPECT_THROW((void)make_store_sink("x", {64, -1}), UsageError);
+}
+
+TEST(StoreReader, RefusesWhatIsNoBuild) {
+  const TemporaryFolder folder;
+  EXPECT_THROW(StoreReader(folder / "absent"), InputError);
+  EXPECT_THROW(StoreReader(folder.path()), InputError);
+  for (const char* sample : {"valid/build/unfinished.xml", "valid/materials"}) {
+    const fs::path from = test::source_dir() / "schemas" / sample;
+    if (!fs::is_regular_file(from)) continue;
+    write_file(folder / "build/build.xml", read_file(from));
+    EXPECT_THROW(StoreReader(folder / "build"), InputError) << sample;
+  }
+}
+
+TEST(StoreReader, ReadsTheValidSampleAndRefusesEveryInvalidOne) {
+  const TemporaryFolder folder;
+  const fs::path schemas = test::source_dir() / "schemas";
+  write_file(folder / "build/build.xml", read_file(schemas / "valid/build/two_materials.xml"));
+  EXPECT_EQ(StoreReader(folder / "build").info().materials.size(), 2u);
+  int count = 0;
+  for (const auto& entry : fs::directory_iterator(schemas / "invalid/build")) {
+    write_file(folder / "build/build.xml", read_file(entry.path()));
+    EXPECT_THROW(StoreReader(folder / "build"), InputError) << entry.path();
+    ++count;
+  }
+  EXPECT_GE(count, 20);
+}
+
+TEST(BuildSchema, AcceptsTheValidSamplesAndRefusesTheInvalidOnes) {
+  const fs::path schemas = test::source_dir() / "schemas";
+  for (const std::string kind : {"valid", "invalid"}) {
+    int count = 0;
+    for (const auto& entry : fs::directory_iterator(schemas / kind / "build")) {
+      const std::string command = "xmllint --nonet --noout --schema '" + (schemas / "build.xsd").string() + "' '" +
+                                  entry.path().string() + "' > /dev/null 2>&1";
+      EXPECT_EQ(std::system(command.c_str()) == 0, kind == "valid") << entry.path();
+      ++count;
+    }
+    EXPECT_GE(count, 2);
+  }
+}
+
+TEST(StoreReader, NoticesEveryFlippedByteOfAShard) {
+  const TemporaryFolder folder;
+  write_sample(make_sample(2), folder / "build");
+  const fs::path shard = folder / "build/layers/000000.h5";
+  const std::string whole = read_file(shard);
+  for (std::size_t at = 0; at < whole.size(); at += whole.size() / 37) {
+    std::string damaged = whole;
+    damaged[at] = static_cast<char>(damaged[at] ^ 0x10);
+    write_file(shard, damaged);
+    EXPECT_THROW((void)StoreReader(folder / "build").read_layer(0), InputError) << at;
+  }
+  write_file(shard, whole.substr(0, whole.size() / 2));
+  EXPECT_THROW((void)StoreReader(folder / "build").read_layer(0), InputError);
+  fs::remove(shard);
+  EXPECT_THROW((void)StoreReader(folder / "build").read_layer(0), InputError);
+}
+
+TEST(StoreReader, SurvivesEveryTruncationOfBuildXml) {
+  const TemporaryFolder folder;
+  write_sample(make_sample(2), folder / "build");
+  const std::string whole = read_file(folder / "build/build.xml");
+  for (std::size_t size = 0; size + 2 < whole.size(); size += 41) {
+    write_file(folder / "build/build.xml", whole.substr(0, size));
+    EXPECT_THROW(StoreReader(folder / "build"), InputError) << size;
+  }
+}
+
+/// Runs a script of this folder with Debian's Python, which has h5py; its output goes to `log`.
+int run_python(const std::string& script, const std::string& arguments, const fs::path& log) {
+  const fs::path path = test::source_dir() / "tests/slicing" / script;
+  const std::string command =
+      "/usr/bin/python3 '" + path.string() + "' " + arguments + " > '" + log.string() + "' 2>&1";
+  return std::system(command.c_str());
+}
+
+bool has_h5py() { return std::system("/usr/bin/python3 -c 'import h5py' > /dev/null 2>&1") == 0; }
+
+/// Raw little-endian bytes of a layer's arrays, in the order in which read_store.py writes them.
+std::string raw_arrays(const SegmentRows& rows) {
+  std::ostringstream out;
+  const auto put = [&](const auto value) { out.write(reinterpret_cast<const char*>(&value), sizeof(value)); };
+  for (const auto start : rows.row_start) put(start);
+  for (const Segment& segment : rows.segments) put(segment.x_begin);
+  for (const Segment& segment : rows.segments) put(segment.x_end);
+  for (const Segment& segment : rows.segments) put(segment.material.value());
+  for (const Segment& segment : rows.segments) put(segment.solid.value());
+  return out.str();
+}
+
+TEST(Store, IsReadByH5pyThroughTheLinksOfLayersH5) {
+  if (!has_h5py()) GTEST_SKIP() << "no h5py";
+  const TemporaryFolder folder;
+  const Sample sample = make_sample(5);
+  write_sample(sample, folder / "build");
+  const std::string arguments = "'" + (folder / "build").string() + "' '" + (folder / "raw").string() + "'";
+  ASSERT_EQ(run_python("read_store.py", arguments, folder / "log"), 0) << read_file(folder / "log");
+  std::string expected;
+  for (const Layer& layer : sample.layers) expected += raw_arrays(layer.raster) + raw_arrays(layer.hatch->rows);
+  EXPECT_EQ(read_file(folder / "raw"), expected);
+}
+
+class HostileShard : public testing::TestWithParam<const char*> {};
+
+/// The script changes one thing in a shard and then mends the checksums of build.xml, so that only the check of that
+/// one thing can refuse it.
+TEST_P(HostileShard, IsRefused) {
+  if (!has_h5py()) GTEST_SKIP() << "no h5py";
+  const TemporaryFolder folder;
+  write_sample(make_sample(2), folder / "build");
+  const std::string arguments = "'" + (folder / "build").string() + "' " + GetParam();
+  ASSERT_EQ(run_python("damage_store.py", arguments, folder / "log"), 0) << read_file(folder / "log");
+  const StoreReader reader(folder / "build");
+  if (std::string(GetParam()) == "nothing") {
+    EXPECT_EQ(reader.read_layer(0), make_sample(2).layers[0]) << "the script computes checksums as documented";
+    return;
+  }
+  try {
+    (void)reader.read_layer(0);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.where(), HasSubstr("000000.h5"));
+    EXPECT_THAT(error.what(), testing::Not(HasSubstr("checksum"))) << "the wrong guard stopped it";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, HostileShard,
+                         testing::Values("nothing", "nan", "infinite", "reversed", "overlapping", "row_start_falls",
+                                         "row_start_ends_elsewhere", "material_out_of_range", "solid_out_of_range",
+                                         "wrong_length", "wrong_type", "two_dimensions", "huge_array",
+                                         "soft_link_cycle", "external_link", "virtual_array", "external_data",
+                                         "missing_array", "group_for_array", "huge_chunk", "garbage"),
+                         [](const auto& info) { return std::string(info.param); });
+
+}  // namespace
+}  // namespace lamella
