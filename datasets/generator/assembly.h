@@ -15,14 +15,14 @@ struct PartMaterial {
   std::string name;
   double density = 0.0;  ///< g/cm^3
   Rgb color{0.5, 0.5, 0.5};
-  int priority = 0;      ///< who wins where bodies overlap
+  int priority = 0;  ///< who wins where bodies overlap
 };
 
 /// A volume known without OpenCASCADE.
 struct Truth {
-  double value = 0.0;       ///< mm^3
-  std::string method;       ///< how it was obtained
-  double bound = 1e-13;     ///< relative error of `value` against the shape in the file
+  double value = 0.0;    ///< mm^3
+  std::string method;    ///< how it was obtained
+  double bound = 1e-13;  ///< relative error of `value` against the shape in the file
 };
 
 /// One product with one body.

@@ -41,8 +41,8 @@ Coefficients weights_of(const SplineCurve& curve) {
   return curve.weights.empty() ? Coefficients(curve.poles.size(), 1.0) : curve.weights;
 }
 
-SplineCurve from_homogeneous(const Coefficients& x, const Coefficients& y, const Coefficients& z,
-                             const Coefficients& w, bool rational) {
+SplineCurve from_homogeneous(const Coefficients& x, const Coefficients& y, const Coefficients& z, const Coefficients& w,
+                             bool rational) {
   SplineCurve curve;
   curve.degree = static_cast<int>(w.size()) - 1;
   curve.knots = clamped_knots({0, 1}, curve.degree);

@@ -18,7 +18,8 @@ Part block(const std::string& name, const PartMaterial& material, const Point& l
 }  // namespace
 
 DataSet touching_boxes() {
-  DataSet set{"touching_boxes", "Blocks that share faces, edges and corners; again turned by 30 degrees", "mm", {}, {}, {}};
+  DataSet set{
+      "touching_boxes", "Blocks that share faces, edges and corners; again turned by 30 degrees", "mm", {}, {}, {}};
   set.root.name = "Touching boxes";
   const PartMaterial oak{"Oak", 0.71, {0.62, 0.44, 0.26}, 0}, cork{"Cork", 0.18, {0.86, 0.68, 0.46}, 0};
   const PartMaterial felt{"Wool felt", 0.30, {0.55, 0.62, 0.50}, 0}, slate{"Slate", 2.75, {0.30, 0.34, 0.40}, 0};

@@ -14,19 +14,25 @@ constexpr double kPi = std::numbers::pi;
 Part bracket() {
   const std::vector<std::array<double, 2>> outline{{0, 0}, {26, 0}, {30, 6}, {30, 9}, {9, 9}, {6, 24}, {0, 24}};
   const TopoDS_Shape shape = cut(prism(outline, 0, 7), {cylinder({4, 19, -1}, {0, 0, 1}, 2, 9)});
-  return {"Bracket", shape, {"AlMg3", 2.66, {0.66, 0.70, 0.76}, 0},
+  return {"Bracket",
+          shape,
+          {"AlMg3", 2.66, {0.66, 0.70, 0.76}, 0},
           {(polygon_area(outline) - kPi * 4) * 7, "shoelace area times thickness, less the bore"}};
 }
 
 Part pad() {
   const std::vector<std::array<double, 2>> outline{{0, 0}, {12, 0}, {12, 8}, {4, 8}};
-  return {"Pad", prism(outline, 0, 3), {"NBR 60 Shore", 1.20, {0.16, 0.16, 0.18}, 0},
+  return {"Pad",
+          prism(outline, 0, 3),
+          {"NBR 60 Shore", 1.20, {0.16, 0.16, 0.18}, 0},
           {polygon_area(outline) * 3, "shoelace area times thickness"}};
 }
 
 Part rivet() {
   const std::vector<ProfilePoint> profile{{-1, 0}, {-1, 3.4}, {0, 3.4}, {0, 2}, {7, 2}, {8.5, 0.8}, {8.5, 0}};
-  return {"Rivet", revolved_polygon(profile, 'z'), {"Copper", 8.94, {0.80, 0.46, 0.24}, 0},
+  return {"Rivet",
+          revolved_polygon(profile, 'z'),
+          {"Copper", 8.94, {0.80, 0.46, 0.24}, 0},
           {revolved_polygon_volume(profile), "Pappus"}};
 }
 

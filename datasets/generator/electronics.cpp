@@ -29,9 +29,9 @@ constexpr int kPins = 5;
 
 /// Bent pin as seen along x: (y, z) of the corners, tip up, foot towards -y, a barb on either side within the floor.
 const std::vector<std::array<double, 2>> kPinOutline{
-    {-0.0060, 0.33},  {-0.0125, 0.30},  {-0.0125, 0.08},           {-0.0125 - kBarb, 0.06}, {-0.0125, 0.04},
-    {-0.0125, -0.035}, {-0.1200, -0.035}, {-0.1200, -0.06},          {0.0125, -0.06},         {0.0125, 0.04},
-    {0.0125 + kBarb, 0.06}, {0.0125, 0.08}, {0.0125, 0.30}, {0.0060, 0.33}};
+    {-0.0060, 0.33},        {-0.0125, 0.30},   {-0.0125, 0.08},  {-0.0125 - kBarb, 0.06}, {-0.0125, 0.04},
+    {-0.0125, -0.035},      {-0.1200, -0.035}, {-0.1200, -0.06}, {0.0125, -0.06},         {0.0125, 0.04},
+    {0.0125 + kBarb, 0.06}, {0.0125, 0.08},    {0.0125, 0.30},   {0.0060, 0.33}};
 
 Part pin_part() {
   std::vector<std::array<double, 2>> outline;
@@ -41,7 +41,8 @@ Part pin_part() {
   turn.SetValues(0, 0, 1, -kPin / 2 * kInch, 1, 0, 0, 0, 0, 1, 0, 0);
   const TopoDS_Shape shape = moved(prism(outline, 0, kPin * kInch), turn);
   const double volume = cubic(std::abs(polygon_area(kPinOutline)) * kPin);
-  return {"Pin", shape, {"Phosphor bronze C51000", 8.86, {0.86, 0.66, 0.24}, 10}, {volume, "shoelace area times width"}};
+  return {
+      "Pin", shape, {"Phosphor bronze C51000", 8.86, {0.86, 0.66, 0.24}, 10}, {volume, "shoelace area times width"}};
 }
 
 Part housing_part() {
@@ -56,7 +57,9 @@ Part housing_part() {
   const TopoDS_Shape latch = cut(lug, {inch_box({0, 0, 0}, {0.56, 0.26, 0.35})});
   const double volume = 0.56 * 0.26 * 0.35 - 0.5 * 0.2 * (0.35 - kFloor) - 0.08 * 0.03 * (0.35 - 0.22) -
                         2 * kPins * kPin * kPin * kFloor + 0.5 * kPi * 0.05 * 0.05 * 0.2;
-  return {"Gehäuse", fuse({body, latch}), {"PBT-GF30", 1.53, {0.13, 0.15, 0.18}, 0},
+  return {"Gehäuse",
+          fuse({body, latch}),
+          {"PBT-GF30", 1.53, {0.13, 0.15, 0.18}, 0},
           {cubic(volume), "boxes and half a cylinder"}};
 }
 
@@ -72,8 +75,8 @@ DataSet connector() {
     row.children.push_back({"Pin " + std::to_string(i + 1), pin, inch_shift(i * kPitch, 0, 0), {}});
   set.root.children.push_back(row);
   row.name = "Row B";
-  row.placement = inch_shift(0.08 + (kPins - 1) * kPitch, 0.18, 0) *
-                  rotation(gp_Ax1(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1)), kPi);
+  row.placement =
+      inch_shift(0.08 + (kPins - 1) * kPitch, 0.18, 0) * rotation(gp_Ax1(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1)), kPi);
   set.root.children.push_back(row);
   const double barbs = cubic(2 * 0.5 * kBarb * kBarbHeight * kPin);
   for (std::size_t i = 1; i <= 2 * kPins; ++i)
@@ -109,15 +112,18 @@ Part solder_ball() {
   const double r = 0.02 * kInch, half = 0.015 * kInch;
   const TopoDS_Shape slab = box(-1, -1, -half, 1, 1, half);
   const double volume = 2 * kPi * half * (r * r - half * half / 3);
-  return {"Solder ball", common(sphere({0, 0, 0}, r), slab), {"SAC305", 7.37, {0.80, 0.82, 0.84}, 5},
+  return {"Solder ball",
+          common(sphere({0, 0, 0}, r), slab),
+          {"SAC305", 7.37, {0.80, 0.82, 0.84}, 5},
           {volume, "zone of a sphere, pi h (r^2 - h^2 / 12)"}};
 }
 
 }  // namespace
 
 DataSet pcb_stack() {
-  DataSet set{"pcb_stack", "Four-layer board piece: laminate, copper planes, plated vias, a ball-grid package", "inch",
-              {}, {}, {}};
+  DataSet set{"pcb_stack", "Four-layer board piece: laminate, copper planes, plated vias, a ball-grid package",
+              "inch",      {},
+              {},          {}};
   set.root.name = "PCB stack";
   const PartMaterial copper{"Copper", 8.94, {0.80, 0.46, 0.24}, 10}, fr4{"FR-4", 1.85, {0.18, 0.46, 0.26}, 0};
   const PartMaterial prepreg{"Prepreg 2116", 1.80, {0.42, 0.62, 0.36}, 0};
@@ -134,9 +140,10 @@ DataSet pcb_stack() {
   const int ball = set.define(solder_ball());
   for (const double x : {-0.1, 0.0, 0.1})
     for (const double y : {-0.1, 0.1})
-      package.children.push_back({"Ball " + std::to_string(package.children.size() + 1), ball,
-                                  inch_shift(x, y, 0.015), {}});
-  const int body = set.define({"Package body", inch_box({-0.16, -0.15, 0.03}, {0.16, 0.15, 0.09}),
+      package.children.push_back(
+          {"Ball " + std::to_string(package.children.size() + 1), ball, inch_shift(x, y, 0.015), {}});
+  const int body = set.define({"Package body",
+                               inch_box({-0.16, -0.15, 0.03}, {0.16, 0.15, 0.09}),
                                {"Epoxy mould compound", 1.95, {0.10, 0.10, 0.12}, 0},
                                {cubic(0.32 * 0.30 * 0.06), "edge lengths"}});
   package.children.push_back({"Package body", body, gp_Trsf(), {}});

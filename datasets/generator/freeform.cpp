@@ -49,8 +49,15 @@ SplineCurve closed_circle(double x, double y, double r) {
   const double w = std::sqrt(0.5);
   return {2,
           {0, 0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 4},
-          {{x + r, y, 0}, {x + r, y + r, 0}, {x, y + r, 0}, {x - r, y + r, 0}, {x - r, y, 0}, {x - r, y - r, 0},
-           {x, y - r, 0}, {x + r, y - r, 0}, {x + r, y, 0}},
+          {{x + r, y, 0},
+           {x + r, y + r, 0},
+           {x, y + r, 0},
+           {x - r, y + r, 0},
+           {x - r, y, 0},
+           {x - r, y - r, 0},
+           {x, y - r, 0},
+           {x + r, y - r, 0},
+           {x + r, y, 0}},
           {1, w, 1, w, 1, w, 1, w, 1}};
 }
 

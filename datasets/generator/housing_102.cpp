@@ -22,9 +22,8 @@ SplineSurface rim() {
   return height_patch(kGround, 2, [](double x, double y) { return 15 - 0.0016 * x * x + 2.4 * std::sin(y / 20); });
 }
 SplineSurface lid_top() {
-  return height_patch(kGround, 3, [](double x, double y) {
-    return 27 - 0.004 * x * x - 0.003 * y * y + 1.5 * std::sin((x + y) / 15);
-  });
+  return height_patch(
+      kGround, 3, [](double x, double y) { return 27 - 0.004 * x * x - 0.003 * y * y + 1.5 * std::sin((x + y) / 15); });
 }
 
 Plan outer() { return squircle({0, 0, 42, 28, 11, 2.0, 0.7}); }
@@ -64,16 +63,20 @@ std::vector<Plan> openings() {
 }  // namespace
 
 DataSet housing_102() {
-  DataSet set{"housing_102", "Hand-held housing of 102 NURBS surfaces: tray, gasket, lid, window, button", "mm", {}, {}, {}};
+  DataSet set{
+      "housing_102", "Hand-held housing of 102 NURBS surfaces: tray, gasket, lid, window, button", "mm", {}, {}, {}};
   set.root.name = "Housing";
   const SplineSurface seat = raised(rim(), kGasket);
   set.add(part("Wanne", tray(), {"PA12-GF30", 1.22, {0.24, 0.28, 0.34}, 0}));
   set.add(part("Dichtung", slab(outer(), rim(), seat, {inner()}), {"EPDM 70 Shore", 1.15, {0.80, 0.30, 0.26}, 0}));
-  set.add(part("Deckel", slab(outer(), seat, lid_top(), openings()), {"PC Makrolon 2805", 1.20, {0.45, 0.62, 0.80}, 0}));
+  set.add(
+      part("Deckel", slab(outer(), seat, lid_top(), openings()), {"PC Makrolon 2805", 1.20, {0.45, 0.62, 0.80}, 0}));
   set.add(part("Fenster", slab(window(), seat, lid_top()), {"PMMA", 1.19, {0.70, 0.88, 0.90}, 0}));
-  const auto dome = height_patch({kButton[0] - 6, kButton[0] + 6, kButton[1] - 6, kButton[1] + 6}, 2,
-                                 [](double x, double y) { return 30 - 0.06 * (std::pow(x - kButton[0], 2) + std::pow(y - kButton[1], 2)); });
-  set.add(part("Knopf", slab(circle_plan(kButton[0], kButton[1], 4.6), seat, dome), {"TPU 85A", 1.21, {0.96, 0.74, 0.20}, 0}));
+  const auto dome = height_patch(
+      {kButton[0] - 6, kButton[0] + 6, kButton[1] - 6, kButton[1] + 6}, 2,
+      [](double x, double y) { return 30 - 0.06 * (std::pow(x - kButton[0], 2) + std::pow(y - kButton[1], 2)); });
+  set.add(part("Knopf", slab(circle_plan(kButton[0], kButton[1], 4.6), seat, dome),
+               {"TPU 85A", 1.21, {0.96, 0.74, 0.20}, 0}));
   return set;
 }
 

@@ -1,5 +1,6 @@
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 
 #include "datasets/generator/catalog.h"
 #include "datasets/generator/freeform.h"
@@ -94,13 +95,35 @@ double blade_volume(int blade, const std::function<double(double, double)>& limi
       parts);
 }
 
-/// Where the blade leaves the hub, by bisection: it does so once, as a test checks on a grid.
+double radial_excess(const SplineSurface& low, const SplineSurface& high, const SplineCurve& profile, double u,
+                     double v, double w) {
+  const Point p = body_point(low, high, u, v, w).at;
+  return std::hypot(p[0], p[1]) - profile.point(p[2])[1];
+}
+
+/// The overlap's formula holds if every line from root to tip leaves the hub once and starts outside the bore.
+void require_rooted(const SplineSurface& low, const SplineSurface& high, const SplineCurve& profile) {
+  for (int i = 0; i <= 40; ++i) {
+    for (int k = 0; k <= 8; ++k) {
+      const double u = i / 40.0, w = k / 8.0;
+      const Point root = body_point(low, high, u, 0, w).at;
+      bool outside = false, once = std::hypot(root[0], root[1]) > kBushing && root[2] > 0;
+      for (int j = 0; j <= 60; ++j) {
+        const bool beyond = radial_excess(low, high, profile, u, j / 60.0, w) > 0;
+        once = once && !(outside && !beyond) && !(j == 0 && beyond);
+        outside = beyond;
+      }
+      if (!once || !outside) throw std::logic_error("a blade isn't rooted in the hub");
+    }
+  }
+}
+
+/// Where the blade leaves the hub, by bisection.
 double leaving(const SplineSurface& low, const SplineSurface& high, const SplineCurve& profile, double u, double w) {
   double inside = 0, outside = 1;
   for (int i = 0; i < 60; ++i) {
     const double v = 0.5 * (inside + outside);
-    const Point p = body_point(low, high, u, v, w).at;
-    (std::hypot(p[0], p[1]) < profile.point(p[2])[1] ? inside : outside) = v;
+    (radial_excess(low, high, profile, u, v, w) < 0 ? inside : outside) = v;
   }
   return 0.5 * (inside + outside);
 }
@@ -108,7 +131,9 @@ double leaving(const SplineSurface& low, const SplineSurface& high, const Spline
 double buried_volume(int blade, int parts) {
   const SplineSurface low = blade_side(blade, -1), high = blade_side(blade, 1);
   const SplineCurve profile = hub_profile();
-  return blade_volume(blade, [&](double u, double w) { return leaving(low, high, profile, u, w); }, parts);
+  require_rooted(low, high, profile);
+  return blade_volume(
+      blade, [&](double u, double w) { return leaving(low, high, profile, u, w); }, parts);
 }
 
 // --- plate and diffuser -------------------------------------------------------------------------------------------
@@ -148,9 +173,8 @@ Plan petals() {
 
 Terrace diffuser() {
   const auto low = height_patch(kGround, 2, [](double x, double y) { return -6.0 + 0.0006 * x * x - 0.0004 * y * y; });
-  const auto high = height_patch(kGround, 2, [](double x, double y) {
-    return 8.5 - 0.0022 * x * x + 0.0012 * y * y + 0.03 * x + 0.02 * y;
-  });
+  const auto high = height_patch(
+      kGround, 2, [](double x, double y) { return 8.5 - 0.0022 * x * x + 0.0012 * y * y + 0.03 * x + 0.02 * y; });
   return slab(petals(), low, high,
               {circle_plan(0, 0, 36.5), circle_plan(41.5 * std::cos(0.35), 41.5 * std::sin(0.35), 1.6),
                circle_plan(41.5 * std::cos(0.35 + kPi), 41.5 * std::sin(0.35 + kPi), 1.6)});
@@ -159,23 +183,38 @@ Terrace diffuser() {
 }  // namespace
 
 DataSet impeller_135() {
-  DataSet set{"impeller_135", "Impeller of 135 NURBS surfaces: twisted blades rooted in a hub, plate, diffuser", "mm", {}, {}, {}};
+  DataSet set{"impeller_135",
+              "Impeller of 135 NURBS surfaces: twisted blades rooted in a hub, plate, diffuser",
+              "mm",
+              {},
+              {},
+              {}};
   set.root.name = "Impeller";
   const char* green = "Green's theorem over the plan with Gauss quadrature of the Bezier height fields";
   const double hub_volume = revolved_volume(hub_profile(), 0, kNose) - kPi * kBushing * kBushing * kNose;
-  set.add({"Hub", hub(), {"AlSi10Mg", 2.67, {0.70, 0.74, 0.80}, 10}, {hub_volume, "pi * integral of the squared profile, less the bore"}});
+  set.add({"Hub",
+           hub(),
+           {"AlSi10Mg", 2.67, {0.70, 0.74, 0.80}, 10},
+           {hub_volume, "pi * integral of the squared profile, less the bore"}});
   const std::vector<ProfilePoint> tube{{-9, kBore}, {kNose + 2, kBore}, {kNose + 2, kBushing}, {-9, kBushing}};
-  set.add({"Bushing", as_nurbs(revolved_polygon(tube, 'z')), {"CuSn8", 8.80, {0.80, 0.58, 0.28}, 20},
+  set.add({"Bushing",
+           as_nurbs(revolved_polygon(tube, 'z')),
+           {"CuSn8", 8.80, {0.80, 0.58, 0.28}, 20},
            {revolved_polygon_volume(tube), "Pappus"}});
   set.add({"Plate", build(plate()), {"PEEK-CF30", 1.40, {0.22, 0.24, 0.28}, 0}, {volume(plate()), green}});
   set.add({"Diffuser", build(diffuser()), {"PA6-GF30", 1.36, {0.20, 0.48, 0.46}, 0}, {volume(diffuser()), green}});
   for (int i = 0; i < kBlades; ++i) {
-    const double all = blade_volume(i, [](double, double) { return 1.0; }, 1);
-    set.add({"Blade " + std::to_string(i + 1), blade_shape(i), {"Ti-6Al-4V", 4.43, {0.86, 0.40, 0.24}, 0},
+    const double all = blade_volume(
+        i, [](double, double) { return 1.0; }, 1);
+    set.add({"Blade " + std::to_string(i + 1),
+             blade_shape(i),
+             {"Ti-6Al-4V", 4.43, {0.86, 0.40, 0.24}, 0},
              {all, "Gauss quadrature of the body's polynomial Jacobian"}});
     const double coarse = buried_volume(i, 1), fine = buried_volume(i, 4);
-    set.overlaps.push_back({0, set.root.children.size() - 1,
-                            {fine, "Gauss quadrature up to the hub's profile", 10 * std::abs(fine - coarse) / fine + 1e-12}});
+    set.overlaps.push_back(
+        {0,
+         set.root.children.size() - 1,
+         {fine, "Gauss quadrature up to the hub's profile", 10 * std::abs(fine - coarse) / fine + 1e-12}});
   }
   return set;
 }

@@ -39,7 +39,9 @@ Part screw_part() {
   for (const ProfilePoint& p : {ProfilePoint{26, 4.0}, {28.4, 4.0}, {29, 3.4}, {29, 0}}) outline.push_back(p);
   const TopoDS_Shape shape = cut(revolved_polygon(outline, 'z'), {hexagon(kHexFlats, 29 - kSocketDepth, 31)});
   const double socket = std::sqrt(3.0) / 2 * kHexFlats * kHexFlats * kSocketDepth;
-  return {"Knochenschraube Ø4,6", shape, {"Ti-6Al-4V", 4.43, {0.62, 0.66, 0.74}, 10},
+  return {"Knochenschraube Ø4,6",
+          shape,
+          {"Ti-6Al-4V", 4.43, {0.62, 0.66, 0.74}, 10},
           {revolved_polygon_volume(outline) - socket, "Pappus less the hexagonal socket"}};
 }
 
@@ -51,10 +53,14 @@ DataSet bone_screw() {
   set.add(screw_part());
   std::vector<ProfilePoint> plug = threaded_outline(21.5);
   plug.insert(plug.end(), {{21.5, 9.0}, {-4, 9.0}, {-4, 0}});
-  set.add({"Spongiosa", revolved_polygon(plug, 'z'), {"Cancellous bone", 0.62, {0.88, 0.74, 0.60}, 0},
+  set.add({"Spongiosa",
+           revolved_polygon(plug, 'z'),
+           {"Cancellous bone", 0.62, {0.88, 0.74, 0.60}, 0},
            {revolved_polygon_volume(plug), "Pappus"}});
   const std::vector<ProfilePoint> cortex{{21.5, 2.0}, {21.5, 9.0}, {23.6, 9.0}, {23.6, 2.0}};
-  set.add({"Kortikalis", revolved_polygon(cortex, 'z'), {"Cortical bone", 1.91, {0.96, 0.92, 0.82}, 0},
+  set.add({"Kortikalis",
+           revolved_polygon(cortex, 'z'),
+           {"Cortical bone", 1.91, {0.96, 0.92, 0.82}, 0},
            {revolved_polygon_volume(cortex), "Pappus"}});
   return set;
 }
@@ -72,9 +78,7 @@ TopoDS_Shape channel(double z, double bend, double radius) {
 
 double channel_volume(double bend, double radius) { return kPi * radius * radius * (2 * 22 + kPi * bend); }
 
-TopoDS_Shape copper_core() {
-  return fuse({cylinder({0, 0, 0}, {0, 0, 1}, 8, 14), sphere({0, 0, 14}, 8)});
-}
+TopoDS_Shape copper_core() { return fuse({cylinder({0, 0, 0}, {0, 0, 1}, 8, 14), sphere({0, 0, 14}, 8)}); }
 
 }  // namespace
 
@@ -83,17 +87,21 @@ DataSet mould_insert() {
   set.root.name = "Mould insert";
   const double core = kPi * 64 * 14 + 2.0 / 3 * kPi * 512;
   const TopoDS_Shape lower = channel(13, kBend, kChannelRadius);
-  const TopoDS_Shape body = cut(box(-30, -22, 0, 30, 22, 32),
-                                {copper_core(), lower, channel(22, kUpperBend, kUpperRadius),
-                                 cylinder({25, 16, -1}, {0, 0, 1}, 2.5, 40)});
+  const TopoDS_Shape body =
+      cut(box(-30, -22, 0, 30, 22, 32),
+          {copper_core(), lower, channel(22, kUpperBend, kUpperRadius), cylinder({25, 16, -1}, {0, 0, 1}, 2.5, 40)});
   const double steel = 60.0 * 44 * 32 - core - channel_volume(kBend, kChannelRadius) -
                        channel_volume(kUpperBend, kUpperRadius) - kPi * 6.25 * 32;
-  set.add({"Insert", body, {"Steel 1.2311", 7.83, {0.55, 0.58, 0.62}, 0},
+  set.add({"Insert",
+           body,
+           {"Steel 1.2311", 7.83, {0.55, 0.58, 0.62}, 0},
            {steel, "box less cylinders, half ball and pipes (Pappus)"}});
   set.add({"Core", copper_core(), {"CuCr1Zr", 8.90, {0.80, 0.45, 0.22}, 10}, {core, "cylinder and half ball"}});
-  set.add({"Coolant", lower, {"Water", 0.998, {0.20, 0.50, 0.86}, 0},
-           {channel_volume(kBend, kChannelRadius), "Pappus"}});
-  set.add({"Ejector pin", cylinder({25, 16, -6}, {0, 0, 1}, 2.5, 38), {"Steel 1.2344", 7.80, {0.34, 0.36, 0.40}, 5},
+  set.add(
+      {"Coolant", lower, {"Water", 0.998, {0.20, 0.50, 0.86}, 0}, {channel_volume(kBend, kChannelRadius), "Pappus"}});
+  set.add({"Ejector pin",
+           cylinder({25, 16, -6}, {0, 0, 1}, 2.5, 38),
+           {"Steel 1.2344", 7.80, {0.34, 0.36, 0.40}, 5},
            {kPi * 6.25 * 38, "pi r^2 h"}});
   return set;
 }
@@ -118,14 +126,18 @@ DataSet lattice_in_shell() {
   const double h = std::sqrt(ball * ball - strut * strut), rise = ball - h;
   const double cap_volume = kPi * rise * rise * (3 * ball - rise) / 3;
   const double nodes = nx * ny * nz;
-  const double volume = nodes * (4.0 / 3 * kPi * ball * ball * ball +
-                                 3 * (kPi * strut * strut * (cell - 2 * h) - 2 * cap_volume));
-  set.add({"Lattice", fuse(pieces), {"Ti-6Al-4V", 4.43, {0.40, 0.46, 0.62}, 10},
+  const double volume =
+      nodes * (4.0 / 3 * kPi * ball * ball * ball + 3 * (kPi * strut * strut * (cell - 2 * h) - 2 * cap_volume));
+  set.add({"Lattice",
+           fuse(pieces),
+           {"Ti-6Al-4V", 4.43, {0.40, 0.46, 0.62}, 10},
            {volume, "balls and struts less the spherical caps"}});
   const TopoDS_Shape outer = box(-1.5, -1.5, -1.5, cell * nx + 1.5, cell * ny + 1.5, cell * nz + 1.5);
   const double wall = (cell * nx + 3) * (cell * ny + 3) * (cell * nz + 3) - cell * cell * cell * nodes;
-  set.add({"Shell", with_voids(outer, {box(0, 0, 0, cell * nx, cell * ny, cell * nz)}),
-           {"PEEK", 1.30, {0.84, 0.74, 0.56}, 0}, {wall, "box less box"}});
+  set.add({"Shell",
+           with_voids(outer, {box(0, 0, 0, cell * nx, cell * ny, cell * nz)}),
+           {"PEEK", 1.30, {0.84, 0.74, 0.56}, 0},
+           {wall, "box less box"}});
   return set;
 }
 

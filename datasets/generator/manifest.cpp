@@ -1,9 +1,9 @@
 #include "datasets/generator/manifest.h"
 
+#include <BRep_Tool.hxx>
 #include <Geom_BSplineSurface.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
-#include <BRep_Tool.hxx>
 #include <nlohmann/json.hpp>
 
 namespace lamella::datasets {
@@ -34,18 +34,25 @@ ordered_json truth_json(const Truth& truth) {
 
 ordered_json solid_json(const Part& part, std::size_t id) {
   const FaceCounts counts = count_faces(part.shape);
-  ordered_json solid{{"id", id}, {"name", part.name}, {"color", hex(part.material.color)},
-                     {"step_material", part.material.name}, {"density", part.material.density},
+  ordered_json solid{{"id", id},
+                     {"name", part.name},
+                     {"color", hex(part.material.color)},
+                     {"step_material", part.material.name},
+                     {"density", part.material.density},
                      {"priority", part.material.priority}};
   solid.update(truth_json(part.volume));
-  solid.update({{"shells", counts.shells}, {"faces", counts.faces}, {"bspline_faces", counts.spline},
+  solid.update({{"shells", counts.shells},
+                {"faces", counts.faces},
+                {"bspline_faces", counts.spline},
                 {"rational_faces", counts.rational}});
   return solid;
 }
 
 ordered_json set_json(const DataSet& set) {
-  ordered_json result{{"name", set.name}, {"file", set.name + "/" + set.name + ".step"},
-                      {"description", set.description}, {"unit", set.unit},
+  ordered_json result{{"name", set.name},
+                      {"file", set.name + "/" + set.name + ".step"},
+                      {"description", set.description},
+                      {"unit", set.unit},
                       {"materials", set.name + "/materials.xml"}};
   ordered_json solids = ordered_json::array(), overlaps = ordered_json::array();
   for (const int part : walk(set)) solids.push_back(solid_json(set.parts[part], solids.size()));

@@ -11,9 +11,7 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kCoverBegin = 10.0, kCoverEnd = 86.0;  // mm along x, the part of the core that TPE covers
 constexpr double kShankRadius = 3.2, kShankBegin = 42.0, kCoreEnd = 100.0;
 
-SplineCurve core_profile() {
-  return graph_spline({0, 20, 40, 60, 80, 100}, {9.4, 9.2, 8.2, 9.6, 7.6, 8.6, 7.4, 7.0});
-}
+SplineCurve core_profile() { return graph_spline({0, 20, 40, 60, 80, 100}, {9.4, 9.2, 8.2, 9.6, 7.6, 8.6, 7.4, 7.0}); }
 
 SplineCurve pocket_profile() { return graph_spline({9, 17, 25, 33}, {0, 5.2, 4.6, 7.0, 5.4, 0}); }
 
@@ -52,8 +50,7 @@ SplineSurface fingers_down(SplineSurface s) {
 TopoDS_Shape cover(const SplineSurface& outside, const SplineCurve& core) {
   const Handle(Geom_BSplineSurface) surface = to_geom(outside);
   const auto edge = [&](double x) { return Handle(Geom_Curve)(surface->VIso(x)); };
-  const TopoDS_Shape full =
-      sewn({natural_face(surface), cap({edge(kCoverBegin)}), cap({edge(kCoverEnd)})});
+  const TopoDS_Shape full = sewn({natural_face(surface), cap({edge(kCoverBegin)}), cap({edge(kCoverEnd)})});
   return cut(full, {revolved_graph(core, kCoverBegin, kCoverEnd)});
 }
 
@@ -68,7 +65,8 @@ Part core_part(const SplineCurve& profile) {
   const SplineCurve pocket = pocket_profile();
   const TopoDS_Shape shape = with_voids(revolved_graph(profile, 0, kCoreEnd), {revolved_graph(pocket, 9, 33)});
   const double volume = revolved_volume(profile, 0, kCoreEnd) - revolved_volume(pocket, 9, 33);
-  return {"Griffkern", shape, kCore, {volume, "pi * integral of the squared polynomial profiles: body less air pocket"}};
+  return {
+      "Griffkern", shape, kCore, {volume, "pi * integral of the squared polynomial profiles: body less air pocket"}};
 }
 
 Part cover_part(const SplineCurve& core) {
@@ -77,23 +75,28 @@ Part cover_part(const SplineCurve& core) {
   const TopoDS_Shape channel = torus({49, 0, 0}, {1, 0, 0}, 12.3, 1.1);
   const double air = 2 * kPi * kPi * 12.3 * 1.1 * 1.1;
   const double volume = enclosed - revolved_volume(core, kCoverBegin, kCoverEnd) - air;
-  return {"Überzug", with_voids(cover(outside, core), {channel}), kCover,
-          {volume, "Gauss quadrature, exact for the polynomial patches, of the flux through the outside; less the "
-                   "core's integral and the torus 2 pi^2 R r^2"}};
+  return {"Überzug",
+          with_voids(cover(outside, core), {channel}),
+          kCover,
+          {volume,
+           "Gauss quadrature, exact for the polynomial patches, of the flux through the outside; less the "
+           "core's integral and the torus 2 pi^2 R r^2"}};
 }
 
 }  // namespace
 
 DataSet overmoulded_grip() {
-  DataSet set{"overmoulded_grip", "Screwdriver grip: soft cover over a hard core, steel shank moulded in", "mm", {}, {}, {}};
+  DataSet set{
+      "overmoulded_grip", "Screwdriver grip: soft cover over a hard core, steel shank moulded in", "mm", {}, {}, {}};
   set.root.name = "Overmoulded grip";
   const SplineCurve core = core_profile();
   set.add(core_part(core));
   set.add(cover_part(core));
   const double end_cap = revolved_volume(end_cap_profile(), -13, 0);
-  set.add({"End cap", revolved_graph(end_cap_profile(), -13, 0), kCap, {end_cap, "pi * integral of the squared profile"}});
-  const std::vector<ProfilePoint> shank{{kShankBegin, 0}, {kShankBegin, kShankRadius}, {132, kShankRadius},
-                                        {138, 2.0}, {142, 2.0}, {142, 0}};
+  set.add(
+      {"End cap", revolved_graph(end_cap_profile(), -13, 0), kCap, {end_cap, "pi * integral of the squared profile"}});
+  const std::vector<ProfilePoint> shank{
+      {kShankBegin, 0}, {kShankBegin, kShankRadius}, {132, kShankRadius}, {138, 2.0}, {142, 2.0}, {142, 0}};
   set.add({"Shank", revolved_polygon(shank), kSteel, {revolved_polygon_volume(shank), "Pappus"}});
   const std::vector<ProfilePoint> ferrule{{100, kShankRadius}, {110, kShankRadius}, {110, 5.0}, {107, 6.2}, {100, 7.0}};
   set.add({"Ferrule", revolved_polygon(ferrule), kBrass, {revolved_polygon_volume(ferrule), "Pappus"}});

@@ -44,8 +44,7 @@ struct Knots {
 
 Knots compressed(const std::vector<double>& flat, int degree) {
   const bool periodic = flat.front() < flat[degree];
-  const std::vector<double> used =
-      periodic ? std::vector<double>(flat.begin() + degree, flat.end() - degree) : flat;
+  const std::vector<double> used = periodic ? std::vector<double>(flat.begin() + degree, flat.end() - degree) : flat;
   std::vector<double> values;
   std::vector<int> counts;
   for (const double k : used) {

@@ -51,7 +51,9 @@ DataSet gradient_lens() {
     const SplineCurve curve = profile(half, radius);
     const TopoDS_Shape body = revolved_graph(curve, -half, half);
     const double volume = revolved_volume(curve, -half, half);
-    set.add({"Zone " + std::to_string(i + 1), inner.IsNull() ? body : with_voids(body, {inner}), glasses[i],
+    set.add({"Zone " + std::to_string(i + 1),
+             inner.IsNull() ? body : with_voids(body, {inner}),
+             glasses[i],
              {volume - inner_volume, "pi * integral of the squared polynomial profile, less the zone inside"}});
     inner = body;
     inner_volume = volume;

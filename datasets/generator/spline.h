@@ -21,7 +21,7 @@ using Point = std::array<double, 3>;
 /// Rational curve in 3D; `poles` of a closed one are repeated at the end so that evaluation needs no special case.
 struct SplineCurve {
   int degree = 3;
-  std::vector<double> knots;    ///< flat, size poles + degree + 1
+  std::vector<double> knots;  ///< flat, size poles + degree + 1
   std::vector<Point> poles;
   std::vector<double> weights;  ///< empty: all 1
 

@@ -2,7 +2,6 @@
 
 #include <APIHeaderSection_MakeHeader.hxx>
 #include <Interface_Static.hxx>
-#include <Quantity_Color.hxx>
 #include <STEPCAFControl_Controller.hxx>
 #include <STEPCAFControl_Writer.hxx>
 #include <StepData_StepModel.hxx>
@@ -12,10 +11,10 @@
 #include <TDataStd_Name.hxx>
 #include <TDocStd_Document.hxx>
 #include <TopLoc_Location.hxx>
-#include <XCAFDoc_ColorTool.hxx>
 #include <XCAFDoc_DocumentTool.hxx>
 #include <XCAFDoc_MaterialTool.hxx>
 #include <XCAFDoc_ShapeTool.hxx>
+#include <algorithm>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
@@ -36,7 +35,6 @@ class Document {
  public:
   explicit Document(const DataSet& set) : set_(set), document_(new TDocStd_Document("BinXCAF")) {
     shapes_ = XCAFDoc_DocumentTool::ShapeTool(document_->Main());
-    colors_ = XCAFDoc_DocumentTool::ColorTool(document_->Main());
     materials_ = XCAFDoc_DocumentTool::MaterialTool(document_->Main());
     for (const Part& part : set.parts) part_labels_.push_back(add_part(part));
     add_assembly(set.root);
@@ -49,8 +47,6 @@ class Document {
   TDF_Label add_part(const Part& part) {
     const TDF_Label label = shapes_->AddShape(part.shape, false);
     set_name(label, part.name);
-    const auto& c = part.material.color;
-    colors_->SetColor(label, Quantity_Color(c[0], c[1], c[2], Quantity_TOC_sRGB), XCAFDoc_ColorGen);
     materials_->SetMaterial(label, text(part.material.name), text(part.material.name), part.material.density,
                             text("density measure"), text("POSITIVE_RATIO_MEASURE"));
     return label;
@@ -69,7 +65,6 @@ class Document {
   const DataSet& set_;
   Handle(TDocStd_Document) document_;
   Handle(XCAFDoc_ShapeTool) shapes_;
-  Handle(XCAFDoc_ColorTool) colors_;
   Handle(XCAFDoc_MaterialTool) materials_;
   std::vector<TDF_Label> part_labels_;
 };
@@ -84,6 +79,18 @@ void set_header(STEPControl_Writer& writer, const DataSet& set) {
   header.SetOriginatingSystem(text("Lamella data sets"));
   header.SetAuthorisation(text(""));
   header.SetDescriptionValue(1, text(set.description));
+}
+
+/// Colours of the parts in the order in which their shapes are written: that of their first use.
+std::vector<Rgb> part_colors(const DataSet& set) {
+  std::vector<Rgb> colors;
+  std::vector<int> seen;
+  for (const int part : walk(set)) {
+    if (std::find(seen.begin(), seen.end(), part) != seen.end()) continue;
+    seen.push_back(part);
+    colors.push_back(set.parts[part].material.color);
+  }
+  return colors;
 }
 
 std::string read_all(const std::filesystem::path& path) {
@@ -103,12 +110,13 @@ void write_step(const DataSet& set, const std::filesystem::path& path) {
   const Document document(set);
   STEPCAFControl_Writer writer;
   writer.SetNameMode(true);
-  writer.SetColorMode(true);
+  writer.SetColorMode(false);  // the order of the colours it writes depends on addresses
   writer.SetMaterialMode(true);
   if (!writer.Transfer(document.handle(), STEPControl_AsIs)) throw std::runtime_error(set.name + ": transfer failed");
   set_header(writer.ChangeWriter(), set);
   if (writer.Write(path.c_str()) != IFSelect_RetDone) throw std::runtime_error("can't write " + path.string());
   std::string fixed = normalised(read_all(path));
+  fixed = with_colors(fixed, part_colors(set));
   for (const Mirror& m : set.mirrored) fixed = with_mirrored_instance(fixed, m.instance, m.shift);
   std::ofstream out(path, std::ios::binary | std::ios::trunc);
   out << fixed;

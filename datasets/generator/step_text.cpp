@@ -1,7 +1,9 @@
 #include "datasets/generator/step_text.h"
 
+#include <cmath>
 #include <cstdio>
 #include <regex>
+#include <sstream>
 #include <stdexcept>
 #include <vector>
 
@@ -68,7 +70,47 @@ std::string with_one_plane_context(const std::string& text) {
   result.append(text, from);
   // A plane context is only named at the end of a definitional representation.
   static const std::regex use(R"((DEFINITIONAL_REPRESENTATION\('',\(#\d+\),)(\s*)#\d+\))");
-  return std::regex_replace(result, use, "$1$2" + contexts.front().number + ")");
+  return std::regex_replace(result, use, std::string("$1$2").append(contexts.front().number).append(")"));
+}
+
+/// A body of the file and the context of its representation.
+struct Body {
+  std::string solid, context;
+};
+
+std::vector<Body> bodies(const std::string& text) {
+  static const std::regex parts(R"(^#\d+ = ADVANCED_BREP_SHAPE_REPRESENTATION\('',\(#\d+,(#\d+)\),\s*(#\d+)\))");
+  std::vector<Body> result;
+  for (const Statement& s : statements(text, "ADVANCED_BREP_SHAPE_REPRESENTATION")) {
+    std::smatch match;
+    const std::string body = text.substr(s.begin, s.end - s.begin);
+    if (!std::regex_search(body, match, parts)) throw std::runtime_error("a representation without exactly one body");
+    result.push_back({match[1], match[2]});
+  }
+  return result;
+}
+
+/// The chain of entities that gives a body its colour, numbered from `first`.
+std::string style_text(const Body& body, const std::array<double, 3>& color, int first) {
+  char rgb[96];
+  std::snprintf(rgb, sizeof rgb, "'',%#.15G,%#.15G,%#.15G", std::round(color[0] * 255) / 255,
+                std::round(color[1] * 255) / 255, std::round(color[2] * 255) / 255);
+  std::ostringstream out;
+  int number = first;
+  const auto entity = [&](const char* keyword, const std::string& before, const std::string& after) {
+    out << '#' << number << " = " << keyword << '(' << before << '#' << number + 1 << after << ");\n";
+    ++number;
+  };
+  entity("MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION", "'',(", ")," + body.context);
+  entity("STYLED_ITEM", "'color',(", ")," + body.solid);
+  entity("PRESENTATION_STYLE_ASSIGNMENT", "(", ")");
+  entity("SURFACE_STYLE_USAGE", ".BOTH.,", "");
+  entity("SURFACE_SIDE_STYLE", "'',(", ")");
+  entity("SURFACE_STYLE_FILL_AREA", "", "");
+  entity("FILL_AREA_STYLE", "'',(", ")");
+  entity("FILL_AREA_STYLE_COLOUR", "'',", "");
+  out << '#' << number << " = COLOUR_RGB(" << rgb << ");\n";
+  return out.str();
 }
 
 std::string only_statement(const std::string& text, const std::string& kind, const std::string& holding) {
@@ -97,18 +139,29 @@ std::string normalised(std::string step_text) {
   return part21_text(with_one_plane_context(step_text));
 }
 
+std::string with_colors(const std::string& step_text, const std::vector<std::array<double, 3>>& colors) {
+  const std::vector<Body> all = bodies(step_text);
+  if (all.size() != colors.size()) throw std::runtime_error("as many colours as bodies are needed");
+  std::string styles;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    styles += style_text(all[i], colors[i], 800001 + 10 * static_cast<int>(i));
+  std::string result = step_text;
+  return result.insert(result.rfind("ENDSEC;"), styles);
+}
+
 std::string with_mirrored_instance(const std::string& step_text, const std::string& instance,
                                    const std::array<double, 3>& shift) {
-  const std::string use = number_of(only_statement(step_text, "NEXT_ASSEMBLY_USAGE_OCCURRENCE", "'" + instance));
+  const std::string use =
+      number_of(only_statement(step_text, "NEXT_ASSEMBLY_USAGE_OCCURRENCE", std::string("'").append(instance)));
   const std::string shape = number_of(only_statement(step_text, "PRODUCT_DEFINITION_SHAPE", use));
   const std::string placed = only_statement(step_text, "CONTEXT_DEPENDENT_SHAPE_REPRESENTATION", shape);
   std::smatch relation, transform;
   if (!std::regex_search(placed, relation, std::regex(R"(\((#\d+),)"))) throw std::runtime_error("odd placement");
-  const std::size_t at = step_text.find("\n" + relation[1].str() + " = ");
+  const std::size_t at = step_text.find(std::string("\n").append(relation[1].str()).append(" = "));
   const std::string body = step_text.substr(at, step_text.find(";\n", at) - at);
   if (!std::regex_search(body, transform, std::regex(R"(TRANSFORMATION\((#\d+)\))")))
     throw std::runtime_error("odd placement");
-  const std::string head = "\n" + transform[1].str() + " = ";
+  const std::string head = std::string("\n").append(transform[1].str()).append(" = ");
   const std::size_t begin = step_text.find(head) + head.size(), end = step_text.find(";\n", begin) + 2;
   std::string result = step_text.substr(0, begin);
   result += "CARTESIAN_TRANSFORMATION_OPERATOR_3D('','mirror','',#900001,#900002,#900004,1.,#900003);\n";

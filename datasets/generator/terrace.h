@@ -36,7 +36,8 @@ struct Squircle {
 struct Rectangle {
   double x0, x1, y0, y1;
 };
-[[nodiscard]] SplineSurface height_patch(const Rectangle& r, int degree, const std::function<double(double, double)>& f);
+[[nodiscard]] SplineSurface height_patch(const Rectangle& r, int degree,
+                                         const std::function<double(double, double)>& f);
 
 /// The same patch, higher by `offset` mm.
 [[nodiscard]] SplineSurface raised(SplineSurface patch, double offset);
@@ -50,8 +51,8 @@ struct Terrace {
     std::vector<int> holes;  ///< plans
   };
   struct Wall {
-    int plan, low, high;     ///< plan, and the fields it stands between
-    bool material_inside;    ///< of the plan's outline
+    int plan, low, high;   ///< plan, and the fields it stands between
+    bool material_inside;  ///< of the plan's outline
   };
   std::vector<Plan> plans;  ///< each is the foot of exactly one wall
   std::vector<SplineSurface> fields;

@@ -51,8 +51,8 @@ SplineSurface lofted(const std::vector<std::array<double, 2>>& section, const st
 
 /// Cambered airfoil, counter-clockwise from the blunt trailing edge over the suction side to the nose and back.
 SplineSurface airfoil() {
-  std::vector<std::array<double, 2>> poles{{20.0, -4.6}, {19.6, -3.4}, {12, 1.6},  {4, 5.4},    {-5, 7.2},  {-12, 5.4},
-                                           {-15.6, 0.8}, {-14, -3.2}, {-8, -3.2}, {0, -1.8},   {9, -2.4},  {16, -4.2}};
+  std::vector<std::array<double, 2>> poles{{20.0, -4.6}, {19.6, -3.4}, {12, 1.6},  {4, 5.4},  {-5, 7.2}, {-12, 5.4},
+                                           {-15.6, 0.8}, {-14, -3.2},  {-8, -3.2}, {0, -1.8}, {9, -2.4}, {16, -4.2}};
   const auto count = static_cast<int>(poles.size());
   for (int i = 0; i < 3; ++i) poles.push_back(poles[i]);
   return lofted(poles, {}, periodic_knots(count, 3), 3);
@@ -128,7 +128,8 @@ TopoDS_Solid root_block() {
   for (const std::size_t end : {0, 2}) {
     std::vector<Handle(Geom_Curve)> edges;
     for (std::size_t i = 0; i < 4; ++i)
-      edges.push_back(to_geom(SplineCurve{1, {0, 0, 1, 1}, {corners[i].poles[end], corners[(i + 1) % 4].poles[end]}, {}}));
+      edges.push_back(
+          to_geom(SplineCurve{1, {0, 0, 1, 1}, {corners[i].poles[end], corners[(i + 1) % 4].poles[end]}, {}}));
     faces.push_back(cap(edges));
   }
   const TopoDS_Shape pin = as_nurbs(cylinder({4, -30, -12}, {0, 1, 0}, kPinHole, 60));
@@ -161,11 +162,17 @@ DataSet turbine_blade_16() {
   set.root.name = "Turbine blade";
   const double passage_volume = std::abs(y_flux(passage(), 4));
   const double solid_airfoil = std::abs(y_flux(airfoil()));
-  set.add({"Airfoil", hollow_airfoil(), {"CMSX-4", 8.70, {0.52, 0.58, 0.68}, 0},
+  set.add({"Airfoil",
+           hollow_airfoil(),
+           {"CMSX-4", 8.70, {0.52, 0.58, 0.68}, 0},
            {solid_airfoil - passage_volume, "Gauss quadrature of the flux through the lofted splines"}});
-  set.add({"Ceramic core", ceramic_core(), {"Fused silica", 2.20, {0.95, 0.92, 0.84}, 0},
+  set.add({"Ceramic core",
+           ceramic_core(),
+           {"Fused silica", 2.20, {0.95, 0.92, 0.84}, 0},
            {passage_volume, "Gauss quadrature of the flux through the rational loft, four parts a knot span"}});
-  set.add({"Root", root_block(), {"Inconel 718", 8.19, {0.72, 0.56, 0.40}, 0},
+  set.add({"Root",
+           root_block(),
+           {"Inconel 718", 8.19, {0.72, 0.56, 0.40}, 0},
            {root_volume(), "Gauss quadrature of the section area along the corner arc and of the pin hole", 1e-7}});
   return set;
 }

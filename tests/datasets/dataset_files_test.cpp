@@ -10,10 +10,10 @@
 #include <TDF_LabelSequence.hxx>
 #include <TDataStd_Name.hxx>
 #include <TDataStd_TreeNode.hxx>
-#include <XCAFDoc.hxx>
 #include <TDocStd_Document.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
+#include <XCAFDoc.hxx>
 #include <XCAFDoc_ColorTool.hxx>
 #include <XCAFDoc_DocumentTool.hxx>
 #include <XCAFDoc_MaterialTool.hxx>
@@ -93,8 +93,8 @@ class Walk {
     TDF_Label material_label;
     Handle(TDataStd_TreeNode) node;
     if (label.FindAttribute(XCAFDoc::MaterialRefGUID(), node) && node->HasFather() &&
-        XCAFDoc_DocumentTool::MaterialTool(document_->Main())->GetMaterial(node->Father()->Label(), material, description, density, density_name,
-                                          density_type))
+        XCAFDoc_DocumentTool::MaterialTool(document_->Main())
+            ->GetMaterial(node->Father()->Label(), material, description, density, density_name, density_type))
       solid.material = material->ToCString();
     Quantity_Color color;
     const auto colors = XCAFDoc_DocumentTool::ColorTool(document_->Main());
@@ -125,9 +125,7 @@ class DatasetFile : public testing::TestWithParam<std::string> {
       if (set["name"] == GetParam()) return set;
     throw std::logic_error("no such data set");
   }
-  static std::vector<ReadSolid> read() {
-    return Walk(datasets_dir() / entry()["file"].get<std::string>()).solids();
-  }
+  static std::vector<ReadSolid> read() { return Walk(datasets_dir() / entry()["file"].get<std::string>()).solids(); }
 };
 
 TEST_P(DatasetFile, HoldsTheSolidsOfTheManifestWithNameColourAndMaterial) {
