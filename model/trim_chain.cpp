@@ -115,7 +115,7 @@ std::vector<Chain> close_rings(const Face& face, std::vector<Ring> rings) {
     }
     closed.push_back(join(*lower, rings[upper], period));
     bridge(closed.back(), begin_of(closed.back().front()));
-    const auto [first, second] = std::minmax(static_cast<std::size_t>(lower - rings.begin()), upper);
+    const auto [first, second] = std::minmax({static_cast<std::size_t>(lower - rings.begin()), upper});
     rings.erase(rings.begin() + static_cast<std::ptrdiff_t>(second));
     rings.erase(rings.begin() + static_cast<std::ptrdiff_t>(first));
     lower = rings.begin();
