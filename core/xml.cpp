@@ -67,9 +67,8 @@ std::string read_bytes(const std::filesystem::path& path) {
     throw InputError("can't read XML file", path.string(), "no such file");
   }
   std::ifstream stream(path, std::ios::binary);
-  std::string bytes(XmlDocument::kMaxBytes + 1, '\0');
   const auto size = std::filesystem::file_size(path, failure);
-  if (!failure && size < bytes.size()) bytes.resize(size);
+  std::string bytes(failure ? XmlDocument::kMaxBytes + 1 : std::min(size, XmlDocument::kMaxBytes + 1), '\0');
   stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   if (!stream.is_open() || stream.bad()) throw InputError("can't read XML file", path.string(), "is it readable?");
   bytes.resize(static_cast<std::size_t>(stream.gcount()));
