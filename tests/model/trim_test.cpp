@@ -5,7 +5,9 @@
 
 #include "core/error.h"
 #include "model/evaluate.h"
+#include "model/step/read_step.h"
 #include "tests/model/random_geometry.h"
+#include "tests/support/paths.h"
 #include "tests/support/solids.h"
 
 namespace lamella {
@@ -235,26 +237,66 @@ TEST(TrimRegion, FollowsAHelicalStripOverManyTurns) {
   }
 }
 
-/// Winding by dense sampling of the pcurves themselves, summed over three periods either way; nothing near them.
-std::optional<bool> inside_by_sampling(const Scene& scene, const Vec2& point, double margin) {
-  const Vec2 period = periods(scene.faces[FaceId{0}].surface);
-  double angle = 0.0;
-  for (const HalfEdge& half : scene.half_edges) {
-    for (int shift = period[0] > 0.0 ? -3 : 0; shift <= (period[0] > 0.0 ? 3 : 0); ++shift) {
-      const Vec2 origin = point + Vec2(shift * period[0], 0.0);
-      Vec2 before = Vec2::Zero();
-      for (int i = 0; i <= 300; ++i) {
-        const double s = half.forward ? i / 300.0 : 1.0 - i / 300.0;
-        const double t = half.prange.lo + s * half.prange.length();
-        const Vec2 at = evaluate<2>(half.pcurve, t).point - origin;
-        if (at.norm() < margin) return std::nullopt;
-        if (i > 0) angle += std::atan2(before[0] * at[1] - before[1] * at[0], before.dot(at));
-        before = at;
-      }
+/// Samples of a loop's pcurves, end to begin, closed; coordinates in parts of the face's bounds.
+std::vector<Vec2> sample(const Scene& scene, LoopId loop, const Vec2& scale, int count) {
+  std::vector<Vec2> points;
+  for (const HalfEdgeId id : scene.loops[loop].half_edges) {
+    const HalfEdge& half = scene.half_edges[id];
+    for (int i = 0; i <= count; ++i) {
+      const double s = static_cast<double>(half.forward ? i : count - i) / count;
+      const double t = half.prange.lo + s * half.prange.length();
+      points.push_back(evaluate<2>(half.pcurve, t).point.cwiseProduct(scale));
     }
   }
-  return std::lround(angle / kTwoPi) != 0;
+  if (!points.empty()) points.push_back(points.front());
+  return points;
 }
+
+/// Where a point lies by the angles under which densely sampled pcurves are seen, summed over three periods either way;
+/// nothing for points that come within `margin` (in parts of the face's bounds) of a sample.
+class Sampled {
+ public:
+  Sampled(const Scene& scene, FaceId face, double margin)
+      : scale_(scene.faces[face].uv_bounds.sizes().cwiseInverse()),
+        period_(periods(scene.faces[face].surface).cwiseProduct(scale_)),
+        margin_(margin) {
+    for (const LoopId loop : scene.faces[face].loops) loops_.push_back(sample(scene, loop, scale_, 200));
+  }
+
+  [[nodiscard]] std::optional<bool> inside(const Vec2& uv) const {
+    const int shifts_u = period_[0] > 0.0 ? 3 : 0;
+    const int shifts_v = period_[1] > 0.0 ? 3 : 0;
+    double angle = 0.0;
+    for (int i = -shifts_u; i <= shifts_u; ++i) {
+      for (int j = -shifts_v; j <= shifts_v; ++j) {
+        const auto seen = angle_seen(uv.cwiseProduct(scale_) + Vec2(i * period_[0], j * period_[1]));
+        if (!seen) return std::nullopt;
+        angle += *seen;
+      }
+    }
+    return std::lround(angle / kTwoPi) != 0;
+  }
+
+ private:
+  [[nodiscard]] std::optional<double> angle_seen(const Vec2& point) const {
+    double angle = 0.0;
+    for (const auto& loop : loops_) {
+      for (std::size_t i = 0; i < loop.size(); ++i) {
+        if ((loop[i] - point).norm() < margin_) return std::nullopt;
+        if (i == 0) continue;
+        const Vec2 a = loop[i - 1] - point;
+        const Vec2 b = loop[i] - point;
+        angle += std::atan2(a[0] * b[1] - a[1] * b[0], a.dot(b));
+      }
+    }
+    return angle;
+  }
+
+  Vec2 scale_;
+  Vec2 period_;
+  double margin_;
+  std::vector<std::vector<Vec2>> loops_;
+};
 
 TEST(TrimRegion, EqualsDenseSamplingOnRandomSplineLoopsWithHoles) {
   RandomGeometry random(61);
@@ -266,11 +308,13 @@ TEST(TrimRegion, EqualsDenseSamplingOnRandomSplineLoopsWithHoles) {
     const Interval range{outer.knots.front(), outer.knots.back()};
     const Vec2 centre = evaluate<2>(Curve2(outer), range.middle()).point;
     const Surface surface = round % 3 == 0 ? Surface(unit_cylinder()) : Surface(Plane{});
-    const Scene scene = scene_of_face(surface, {{{outer, range}}, {circle(centre, 1.0, true)}});
+    Scene scene = scene_of_face(surface, {{{outer, range}}, {circle(centre, 1.0, true)}});
+    scene.faces[FaceId{0}].uv_bounds = Box2(Vec2(-10, -10), Vec2(10, 10));
     const TrimRegion trim(scene, FaceId{0});
+    const Sampled sampled(scene, FaceId{0}, 0.015);
     for (int i = 0; i < 30; ++i) {
       const Vec2 point = random.point<2>(10.0);
-      const auto expected = inside_by_sampling(scene, point, 0.3);
+      const auto expected = sampled.inside(point);
       if (!expected) continue;
       EXPECT_EQ(trim.classify(point), *expected ? Side::inside : Side::outside) << round << ": " << point.transpose();
       ++compared;
@@ -301,6 +345,33 @@ TEST(TrimRegion, OfHandBuiltSolidsHoldsTheMiddleOfEachFaceAndNothingBeyond) {
       EXPECT_EQ(trim.classify(beyond), Side::outside);
     }
   }
+}
+
+TEST(TrimRegion, EqualsDenseSamplingOnRealFaces) {
+  LAMELLA_NEEDS_CORPUS();
+  RandomGeometry random(62);
+  int compared = 0;
+  int outside = 0;
+  for (const char* name : {"asm_occt_as1_oc_214_mat.stp", "free_geouned_torus.stp", "free_geouned_doblecodo.stp",
+                           "mech_b123d_m6_1x12_countersunk_screw.step", "free_occt_bug32596_abc_0_13.step"}) {
+    const std::filesystem::path path = test::corpus_dir() / name;
+    const Scene scene = read_step(std::span(&path, 1));
+    for (const FaceId face : scene.faces.ids()) {
+      const TrimRegion trim(scene, face);
+      const Sampled sampled(scene, face, 0.02);
+      const Box2& box = scene.faces[face].uv_bounds;
+      for (int i = 0; i < 8; ++i) {
+        const Vec2 uv = box.min() + box.sizes().cwiseProduct(Vec2(random.real(0, 1), random.real(0, 1)));
+        const auto expected = sampled.inside(uv);
+        if (!expected) continue;
+        EXPECT_EQ(trim.classify(uv), *expected ? Side::inside : Side::outside) << name << " face " << face.value();
+        ++compared;
+        outside += !*expected;
+      }
+    }
+  }
+  EXPECT_GT(compared, 1000);
+  EXPECT_GT(outside, 50);
 }
 
 TEST(TrimRegion, SurvivesHostileQueries) {
