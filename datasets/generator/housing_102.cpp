@@ -23,7 +23,7 @@ SplineSurface rim() {
 }
 SplineSurface lid_top() {
   return height_patch(
-      kGround, 3, [](double x, double y) { return 27 - 0.004 * x * x - 0.003 * y * y + 1.5 * std::sin((x + y) / 15); });
+      kGround, 3, [](double x, double y) { return 28.5 - 0.004 * x * x - 0.003 * y * y + 1.5 * std::sin((x + y) / 15); });
 }
 
 Plan outer() { return squircle({0, 0, 42, 28, 11, 2.0, 0.7}); }
@@ -74,7 +74,7 @@ DataSet housing_102() {
   set.add(part("Fenster", slab(window(), seat, lid_top()), {"PMMA", 1.19, {0.70, 0.88, 0.90}, 0}));
   const auto dome = height_patch(
       {kButton[0] - 6, kButton[0] + 6, kButton[1] - 6, kButton[1] + 6}, 2,
-      [](double x, double y) { return 30 - 0.06 * (std::pow(x - kButton[0], 2) + std::pow(y - kButton[1], 2)); });
+      [](double x, double y) { return 32 - 0.06 * (std::pow(x - kButton[0], 2) + std::pow(y - kButton[1], 2)); });
   set.add(part("Knopf", slab(circle_plan(kButton[0], kButton[1], 4.6), seat, dome),
                {"TPU 85A", 1.21, {0.96, 0.74, 0.20}, 0}));
   return set;

@@ -1,8 +1,10 @@
 // The shipped STEP files, read with OpenCASCADE, against the manifest.
+#include <BRepAlgoAPI_Common.hxx>
 #include <BRepCheck_Analyzer.hxx>
 #include <BRepGProp.hxx>
 #include <BRep_Tool.hxx>
 #include <GProp_GProps.hxx>
+#include <GeomLib_IsPlanarSurface.hxx>
 #include <Geom_BSplineSurface.hxx>
 #include <Quantity_Color.hxx>
 #include <STEPCAFControl_Controller.hxx>
@@ -21,6 +23,7 @@
 #include <fstream>
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "tests/support/paths.h"
 
@@ -176,7 +179,79 @@ TEST_P(DatasetFile, FaceCountsAgree) {
   }
 }
 
+/// A second opinion on the overlaps; the booleans' own edges limit it to 1e-5.
+TEST_P(DatasetFile, OverlapsAgreeWithCommonVolumes) {
+  const auto solids = read();
+  for (const json& overlap : entry()["overlaps"]) {
+    const std::size_t a = overlap["solids"][0], b = overlap["solids"][1];
+    ASSERT_LT(std::max(a, b), solids.size());
+    const double common = occt_volume(BRepAlgoAPI_Common(solids[a].shape, solids[b].shape).Shape());
+    EXPECT_NEAR(common / overlap["volume"].get<double>(), 1.0, 1e-5) << solids[a].name << " and " << solids[b].name;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(All, DatasetFile, testing::ValuesIn(names()), [](const auto& set) { return set.param; });
+
+struct FreeformCounts {
+  int faces = 0, spline = 0, rational = 0, curved = 0;
+};
+
+FreeformCounts count_freeform(const std::string& name) {
+  FreeformCounts counts;
+  const Walk walk(datasets_dir() / name / (name + ".step"));
+  for (const ReadSolid& solid : walk.solids()) {
+    for (TopExp_Explorer e(solid.shape, TopAbs_FACE); e.More(); e.Next()) {
+      ++counts.faces;
+      const auto surface = Handle(Geom_BSplineSurface)::DownCast(BRep_Tool::Surface(TopoDS::Face(e.Current())));
+      if (surface.IsNull()) continue;
+      ++counts.spline;
+      counts.rational += surface->IsURational() || surface->IsVRational();
+      counts.curved += !GeomLib_IsPlanarSurface(surface, 1e-6).IsPlanar();
+    }
+  }
+  return counts;
+}
+
+TEST(FreeformModels, HaveThePapersNumbersOfSurfacesMostCurvedAndAThirdRational) {
+  for (const auto& [name, faces] : {std::pair{"turbine_blade_16", 16}, {"housing_102", 102}, {"impeller_135", 135}}) {
+    const FreeformCounts counts = count_freeform(name);
+    EXPECT_EQ(counts.faces, faces) << name;
+    EXPECT_EQ(counts.spline, faces) << name;
+    EXPECT_GE(3 * counts.rational, faces) << name;
+    EXPECT_GT(2 * counts.curved, faces) << name;
+  }
+}
+
+TEST(Manifest, DemoHasCurvedFacesAVoidAndAnOverlapInSeveralMaterials) {
+  for (const json& set : manifest()["datasets"]) {
+    if (set["name"] != "overmoulded_grip") continue;
+    std::set<std::string> materials;
+    int voids = 0, splines = 0;
+    for (const json& solid : set["solids"]) {
+      materials.insert(solid["step_material"].get<std::string>());
+      voids += solid["shells"].get<int>() - 1;
+      splines += solid["bspline_faces"].get<int>();
+    }
+    EXPECT_GE(materials.size(), 5u);
+    EXPECT_GE(voids, 2);
+    EXPECT_GE(splines, 1);
+    EXPECT_GE(set["overlaps"].size(), 3u);
+    return;
+  }
+  FAIL() << "no overmoulded_grip";
+}
+
+TEST(Manifest, AtLeastTenAssembliesTwoOfThemInInchAndAllSmall) {
+  int inch = 0;
+  std::uintmax_t bytes = 0;
+  for (const json& set : manifest()["datasets"]) {
+    inch += set["unit"] == "inch";
+    bytes += std::filesystem::file_size(datasets_dir() / set["file"].get<std::string>());
+  }
+  EXPECT_GE(manifest()["datasets"].size(), 13u);
+  EXPECT_GE(inch, 2);
+  EXPECT_LT(bytes, 5'000'000u);
+}
 
 }  // namespace
 }  // namespace lamella::test
