@@ -1,0 +1,72 @@
+#include <gmock/gmock.h>
+
+#include "tests/apps/command_json.h"
+
+namespace lamella::test {
+namespace {
+
+using ::testing::AnyOf;
+using ::testing::Each;
+using ::testing::Eq;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// Starts a long run, sends it `signals` once `ready` (a shell test) holds, and prints its exit code.
+CommandResult interrupt(const std::string& arguments, const std::string& ready, const std::string& signals) {
+  const TemporaryFolder folder;
+  write_text(folder / "run.sh", quoted(lamella_binary()) + " " + arguments +
+                                    " &\npid=$!\n"
+                                    "for i in $(seq 600); do if " +
+                                    ready + "; then break; fi; sleep 0.05; done\n" + signals +
+                                    "\nwait $pid\necho exit $?\n");
+  return run_command("bash " + quoted(folder / "run.sh"));
+}
+
+std::string long_run(const TemporaryFolder& folder) {
+  return "slice " + quoted(datasets_dir() / "overmoulded_grip/overmoulded_grip.step") +
+         " --pitch 0.02 --layer-height 0.02 -o " + quoted(folder / "build") + " --png " + quoted(folder / "png") +
+         " --xml " + quoted(folder / "s.xml") + " --vdb " + quoted(folder / "v.vdb");
+}
+
+TEST(Cancel, InTheMiddleLeavesNothingHalfWritten) {
+  for (const std::string signal : {"INT", "TERM"}) {
+    const TemporaryFolder folder;
+    const CommandResult result = interrupt(
+        long_run(folder), "ls " + quoted(folder / "png") + "/*/*.png >/dev/null 2>&1", "kill -" + signal + " $pid");
+    EXPECT_THAT(result.output, HasSubstr("exit 130")) << result.errors;
+    EXPECT_THAT(result.errors, HasSubstr("lamella: error: cancelled"));
+    EXPECT_THAT(files_below(folder.path()), Each(Not(HasSubstr(".part-"))));
+    EXPECT_FALSE(std::filesystem::exists(folder / "build/build.xml"));
+    EXPECT_FALSE(std::filesystem::exists(folder / "s.xml"));
+    EXPECT_FALSE(std::filesystem::exists(folder / "v.vdb"));
+  }
+}
+
+TEST(Cancel, WhileReadingLeavesNothing) {
+  const TemporaryFolder folder;
+  const CommandResult result = interrupt(long_run(folder), "sleep 0.05", "kill -INT $pid");
+  EXPECT_THAT(result.output, AnyOf(HasSubstr("exit 130"), Eq("exit 130\n"))) << result.errors;
+  EXPECT_FALSE(std::filesystem::exists(folder / "build/build.xml"));
+}
+
+TEST(Cancel, IsJsonToo) {
+  const TemporaryFolder folder;
+  const CommandResult result = interrupt(long_run(folder) + " --json", "sleep 0.5", "kill -INT $pid");
+  EXPECT_THAT(result.output, HasSubstr("\"code\":130"));
+}
+
+TEST(Progress, ALongRunSpeaksWithinItsFirstSecondAndNotTooOften) {
+  const TemporaryFolder folder;
+  const CommandResult result = interrupt(long_run(folder), "false || sleep 3 && true", "kill -INT $pid");
+  std::size_t lines = 0;
+  for (std::size_t at = result.errors.find("lamella: info: "); at != std::string::npos;
+       at = result.errors.find("lamella: info: ", at + 1)) {
+    ++lines;
+  }
+  EXPECT_GE(lines, 2U) << result.errors;
+  EXPECT_LE(lines, 8U) << result.errors;
+  EXPECT_EQ(result.errors.find('\r'), std::string::npos);
+}
+
+}  // namespace
+}  // namespace lamella::test

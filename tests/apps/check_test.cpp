@@ -1,0 +1,89 @@
+#include <gmock/gmock.h>
+
+#include "tests/apps/command_json.h"
+
+namespace lamella::test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+Json check(const std::string& path, int exit_code) {
+  const CommandResult result = run_lamella("check --json " + path);
+  EXPECT_EQ(result.exit_code, exit_code) << path << "\n" << result.output << result.errors;
+  return parse_output(result);
+}
+
+TEST(Check, JsonHasTheDocumentedKeys) {
+  const Json report = check(quoted(source_dir() / "schemas/invalid/materials/unknown_material.xml"), 3);
+  expect_keys(report, {"ok", "findings"});
+  EXPECT_EQ(report["ok"], false);
+  ASSERT_EQ(report["findings"].size(), 1U);
+  expect_keys(report["findings"][0], {"severity", "where", "what", "hint"});
+  EXPECT_EQ(report["findings"][0]["severity"], "error");
+  EXPECT_THAT(report["findings"][0]["where"].get<std::string>(), HasSubstr("unknown_material.xml:7"));
+}
+
+TEST(Check, AgreesWithTheSamplesOfTheSchema) {
+  for (const char* kind : {"valid", "invalid"}) {
+    for (const auto& entry : std::filesystem::directory_iterator(source_dir() / "schemas" / kind / "materials")) {
+      const CommandResult result = run_lamella("check " + quoted(entry.path()));
+      if (std::string(kind) == "valid") {
+        EXPECT_EQ(result.exit_code, 0) << entry.path() << result.output;
+      } else {
+        EXPECT_TRUE(result.exit_code == 3 || result.exit_code == 2) << entry.path() << result.output << result.errors;
+      }
+    }
+  }
+}
+
+TEST(Check, AWholeBuildIsOkAndADamagedOneIsNot) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(run_lamella("slice " + boxes() + " --pitch 1 --layer-height 2 -o " + quoted(folder / "build") + " --xml " +
+                        quoted(folder / "s.xml"))
+                .exit_code,
+            0);
+  EXPECT_EQ(check(quoted(folder / "build"), 0)["ok"], true);
+  EXPECT_EQ(check(quoted(folder / "build/build.xml"), 0)["ok"], true);
+  EXPECT_EQ(check(quoted(folder / "s.xml"), 0)["ok"], true);
+
+  const auto shard = folder / "build/layers/000000.h5";
+  std::string bytes = contents(shard);
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
+  write_text(shard, bytes);
+  const Json damaged = check(quoted(folder / "build"), 3);
+  EXPECT_EQ(damaged["ok"], false);
+  EXPECT_THAT(damaged["findings"][0]["where"].get<std::string>(), HasSubstr("000000.h5"));
+
+  const std::string slices = contents(folder / "s.xml");
+  write_text(folder / "cut.xml", slices.substr(0, slices.size() / 2));
+  EXPECT_EQ(check(quoted(folder / "cut.xml"), 3)["ok"], false);
+}
+
+TEST(Check, ASoundStepFileIsOk) { EXPECT_EQ(check(boxes(), 0)["ok"], true); }
+
+TEST(Check, AnOpenSolidIsFoundInAStepFile) {
+  LAMELLA_NEEDS_CORPUS();
+  const Json report = check(quoted(corpus_dir() / "badw_occt_bug25169_box_openshell.stp"), 3);
+  EXPECT_THAT(report["findings"].dump(), HasSubstr("#"));
+}
+
+TEST(Check, WhatIsNotOursIsExitCodeTwo) {
+  const TemporaryFolder folder;
+  write_text(folder / "note.txt", "hello");
+  write_text(folder / "other.xml", "<html/>");
+  write_text(folder / "empty", "");
+  for (const char* name : {"note.txt", "other.xml", "empty", "absent"}) {
+    EXPECT_EQ(check(quoted(folder / name), 2)["error"]["code"], 2) << name;
+  }
+  EXPECT_EQ(check(quoted(folder.path()), 2)["error"]["code"], 2);
+}
+
+TEST(Check, ADocumentTypeIsAFinding) {
+  const TemporaryFolder folder;
+  write_text(folder / "bomb.xml", "<!DOCTYPE materials [<!ENTITY a 'b'>]><materials/>");
+  EXPECT_EQ(check(quoted(folder / "bomb.xml"), 3)["ok"], false);
+}
+
+}  // namespace
+}  // namespace lamella::test

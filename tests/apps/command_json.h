@@ -1,0 +1,52 @@
+#pragma once
+
+#include <fstream>
+#include <gtest/gtest.h>
+#include <initializer_list>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tests/support/command.h"
+
+namespace lamella::test {
+
+using Json = nlohmann::json;
+
+/// The one object that stdout holds; a failed parse fails the test.
+inline Json parse_output(const CommandResult& result) {
+  Json object = Json::parse(result.output, nullptr, false);
+  EXPECT_FALSE(object.is_discarded()) << "stdout: " << result.output << "\nstderr: " << result.errors;
+  return object;
+}
+
+/// Every documented key is there; more may be.
+inline void expect_keys(const Json& object, std::initializer_list<const char*> keys) {
+  ASSERT_TRUE(object.is_object()) << object;
+  for (const char* key : keys)
+    EXPECT_TRUE(object.contains(key)) << key << " is missing in " << object.dump().substr(0, 400);
+}
+
+/// A shipped assembly of a few boxes: fast to slice.
+inline std::string boxes() { return quoted(datasets_dir() / "touching_boxes/touching_boxes.step"); }
+
+inline std::string contents(const std::filesystem::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+inline void write_text(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary) << text;
+}
+
+/// The names of all files below a folder.
+inline std::vector<std::string> files_below(const std::filesystem::path& folder) {
+  std::vector<std::string> names;
+  if (!std::filesystem::exists(folder)) return names;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    if (entry.is_regular_file()) names.push_back(std::filesystem::relative(entry.path(), folder).string());
+  }
+  return names;
+}
+
+}  // namespace lamella::test

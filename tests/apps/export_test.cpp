@@ -1,0 +1,82 @@
+#include <gmock/gmock.h>
+
+#include "tests/apps/command_json.h"
+
+namespace lamella::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// A build that all tests of this file read.
+class Export : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new TemporaryFolder;
+    const CommandResult result =
+        run_lamella("slice " + boxes() + " --pitch 1 --layer-height 2 -o " + quoted(*folder_ / "build") + " --png " +
+                    quoted(*folder_ / "png") + " --png-indexed " + quoted(*folder_ / "png-indexed") + " --xml " +
+                    quoted(*folder_ / "xml") + " --vdb " + quoted(*folder_ / "vdb"));
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+  }
+  static void TearDownTestSuite() { delete folder_; }
+
+  static std::string build() { return quoted(*folder_ / "build"); }
+  static const TemporaryFolder& folder() { return *folder_; }
+
+ private:
+  static inline TemporaryFolder* folder_ = nullptr;
+};
+
+TEST_F(Export, GivesTheBytesThatSliceWrote) {
+  for (const std::string format : {"png", "png-indexed", "xml", "vdb"}) {
+    const auto out = folder() / ("again-" + format);
+    const CommandResult result =
+        run_lamella("export " + build() + " --to " + format + " -o " + quoted(out) + " --json");
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+    const Json report = parse_output(result);
+    expect_keys(report, {"format", "files"});
+    EXPECT_EQ(report["format"], format);
+    ASSERT_FALSE(report["files"].empty());
+    for (const Json& file : report["files"]) {
+      expect_keys(file, {"path", "bytes"});
+      const std::filesystem::path path = file["path"].get<std::string>();
+      EXPECT_EQ(std::filesystem::file_size(path), file["bytes"].get<std::uintmax_t>());
+      if (format == "vdb") continue;  // holds a unique id of its own
+      const auto first = std::filesystem::is_directory(out) ? folder() / format / std::filesystem::relative(path, out)
+                                                            : folder() / format;
+      EXPECT_EQ(contents(path), contents(first)) << path;
+    }
+  }
+}
+
+TEST_F(Export, LayerRangesAreHalfOpen) {
+  const auto out = folder() / "range";
+  const CommandResult result =
+      run_lamella("export " + build() + " --to png-indexed -o " + quoted(out) + " --layers 1:3");
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  std::size_t images = 0;
+  for (const std::string& name : files_below(out)) images += name.ends_with(".png") ? 1 : 0;
+  EXPECT_EQ(images, 2U);
+}
+
+TEST_F(Export, ARangeBehindTheEndIsExitCodeOne) {
+  const CommandResult result =
+      run_lamella("export " + build() + " --to xml -o " + quoted(folder() / "x.xml") + " --layers 100000:");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.errors, HasSubstr("layers"));
+}
+
+TEST_F(Export, RefusesToWriteOverTheBuild) {
+  const CommandResult result = run_lamella("export " + build() + " --to png -o " + build());
+  EXPECT_EQ(result.exit_code, 1) << result.errors;
+  EXPECT_TRUE(std::filesystem::exists(folder() / "build/build.xml"));
+}
+
+TEST_F(Export, AFolderThatIsNoBuildIsExitCodeTwo) {
+  const CommandResult result =
+      run_lamella("export " + quoted(folder() / "png") + " --to xml -o " + quoted(folder() / "y.xml"));
+  EXPECT_EQ(result.exit_code, 2) << result.errors;
+}
+
+}  // namespace
+}  // namespace lamella::test

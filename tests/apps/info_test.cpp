@@ -1,0 +1,118 @@
+#include <gmock/gmock.h>
+
+#include "tests/apps/command_json.h"
+
+namespace lamella::test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+TEST(Info, JsonHasTheDocumentedKeys) {
+  const CommandResult result = run_lamella("info " + boxes() + " --json");
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  const Json info = parse_output(result);
+  expect_keys(info, {"files", "solids", "warnings"});
+  expect_keys(info["files"][0], {"path", "schema", "unit"});
+  ASSERT_FALSE(info["solids"].empty());
+  int id = 0;
+  for (const Json& solid : info["solids"]) {
+    expect_keys(solid, {"id", "file", "name", "path", "color", "layer", "step_material", "material", "rule", "volume",
+                        "area", "bounds", "faces", "edges", "surface_types", "closed", "healed", "max_tolerance"});
+    EXPECT_EQ(solid["id"], id++);
+    EXPECT_EQ(solid["faces"], 6);
+    EXPECT_EQ(solid["edges"], 12);
+    EXPECT_EQ(solid["surface_types"]["plane"], 6);
+    EXPECT_EQ(solid["closed"], true);
+    EXPECT_EQ(solid["rule"], "STEP material");
+    EXPECT_EQ(solid["material"], solid["step_material"]);
+    EXPECT_EQ(solid["bounds"].size(), 2U);
+  }
+}
+
+TEST(Info, VolumesAreThoseOfTheManifest) {
+  const Json manifest = Json::parse(contents(datasets_dir() / "manifest.json"));
+  const Json info =
+      parse_output(run_lamella("info " + quoted(datasets_dir() / "nested_spheres/nested_spheres.step") + " --json"));
+  for (const Json& dataset : manifest["datasets"]) {
+    if (dataset["name"] != "nested_spheres") continue;
+    ASSERT_EQ(dataset["solids"].size(), info["solids"].size());
+    for (std::size_t i = 0; i < info["solids"].size(); ++i) {
+      const double exact = dataset["solids"][i]["volume"];
+      EXPECT_NEAR(info["solids"][i]["volume"].get<double>(), exact, 1e-6 * exact);
+    }
+    return;
+  }
+  FAIL() << "nested_spheres isn't in the manifest";
+}
+
+TEST(Info, TheTableNamesItsUnits) {
+  const CommandResult result = run_lamella("info " + boxes());
+  for (const char* label : {"volume [mm^3]", "area [mm^2]", "size [mm]", "density [g/cm^3]", "length unit"}) {
+    EXPECT_THAT(result.output, HasSubstr(label));
+  }
+}
+
+TEST(Info, SeveralFilesAreOneAssembly) {
+  const Json one = parse_output(run_lamella("info " + boxes() + " --json"));
+  const Json two = parse_output(run_lamella("info " + boxes() + " " + boxes() + " --json"));
+  EXPECT_EQ(two["solids"].size(), 2 * one["solids"].size());
+  EXPECT_EQ(two["solids"].back()["file"], 1);
+}
+
+TEST(Info, TheStarterFileReproducesTheMaterials) {
+  const TemporaryFolder folder;
+  const auto starter = folder / "m.xml";
+  ASSERT_EQ(run_lamella("info " + boxes() + " --write-materials " + quoted(starter)).exit_code, 0);
+  const std::string schema = quoted(source_dir() / "schemas/materials.xsd");
+  EXPECT_EQ(run_command("xmllint --nonet --noout --schema " + schema + " " + quoted(starter)).exit_code, 0);
+  const Json without = parse_output(run_lamella("info " + boxes() + " --json"));
+  const Json with = parse_output(run_lamella("info " + boxes() + " --json --materials " + quoted(starter)));
+  for (std::size_t i = 0; i < without["solids"].size(); ++i) {
+    EXPECT_EQ(with["solids"][i]["material"], without["solids"][i]["material"]);
+    EXPECT_THAT(with["solids"][i]["rule"].get<std::string>(), HasSubstr("m.xml:"));
+  }
+}
+
+TEST(Info, SolidsThatNoRuleCoversAreListed) {
+  const TemporaryFolder folder;
+  write_text(folder / "m.xml",
+             "<materials xmlns=\"urn:lamella:materials:1\" version=\"1.0\"><library><material name=\"A\"/></library>"
+             "<assignments><assign name=\"nobody\" material=\"A\"/></assignments></materials>");
+  const CommandResult result = run_lamella("info " + boxes() + " --json --materials " + quoted(folder / "m.xml"));
+  EXPECT_EQ(result.exit_code, 2);
+  const Json info = parse_output(run_lamella("info " + boxes() + " --json"));
+  const std::string what = parse_output(result)["error"]["what"];
+  for (const Json& solid : info["solids"]) EXPECT_THAT(what, HasSubstr(solid["path"].get<std::string>()));
+  EXPECT_THAT(result.errors, HasSubstr("decides about no solid"));
+}
+
+TEST(Info, AnErrorInTheMaterialsFileNamesItsLine) {
+  const CommandResult result = run_lamella("info " + boxes() + " --materials " +
+                                           quoted(source_dir() / "schemas/invalid/materials/unknown_material.xml"));
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.errors, HasSubstr("unknown_material.xml:7"));
+}
+
+TEST(Info, AnUnwritableStarterFileIsExitCodeFour) {
+  const CommandResult result = run_lamella("info " + boxes() + " --write-materials /proc/nowhere/m.xml");
+  EXPECT_EQ(result.exit_code, 4) << result.errors;
+}
+
+TEST(Info, QuietMeansNoProgress) { EXPECT_THAT(run_lamella("info " + boxes() + " --quiet").errors, IsEmpty()); }
+
+TEST(Info, OpenSolidsAreNamedAndEndInExitCodeTwoOrThree) {
+  LAMELLA_NEEDS_CORPUS();
+  const CommandResult result =
+      run_lamella("info --json " + quoted(corpus_dir() / "badw_occt_bug25169_box_openshell.stp"));
+  EXPECT_EQ(result.exit_code, 2) << result.errors;
+  EXPECT_THAT(result.errors, HasSubstr("#"));
+  const Json info = parse_output(result);
+  EXPECT_EQ(info["solids"][0]["closed"], false);
+  EXPECT_THAT(info["warnings"], Not(IsEmpty()));
+  EXPECT_EQ(info["error"]["code"], 2);
+}
+
+}  // namespace
+}  // namespace lamella::test

@@ -1,0 +1,122 @@
+#include <gmock/gmock.h>
+
+#include "tests/apps/command_json.h"
+
+namespace lamella::test {
+namespace {
+
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::MatchesRegex;
+using ::testing::StartsWith;
+
+TEST(Help, EveryVerbHasExamples) {
+  for (const std::string verb : {"info", "slice", "ray", "export", "check"}) {
+    const CommandResult help = run_lamella(verb + " --help");
+    EXPECT_EQ(help.exit_code, 0) << verb;
+    EXPECT_THAT(help.output, HasSubstr("Examples:\n  lamella " + verb + " ")) << verb;
+    EXPECT_THAT(help.errors, IsEmpty()) << verb;
+  }
+  EXPECT_THAT(run_lamella("--help").output, HasSubstr("lamella slice grip.step"));
+}
+
+TEST(Help, VersionIsPrinted) {
+  const CommandResult version = run_lamella("--version");
+  EXPECT_EQ(version.exit_code, 0);
+  EXPECT_THAT(version.output, MatchesRegex("lamella [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+}
+
+/// A command line that can't be meant, and what its error line must mention.
+struct Misuse {
+  const char* arguments;
+  const char* mentions;
+};
+
+class Misused : public ::testing::TestWithParam<Misuse> {};
+
+TEST_P(Misused, EndsWithExitCodeOneAndAHint) {
+  const CommandResult result = run_lamella(GetParam().arguments);
+  EXPECT_EQ(result.exit_code, 1) << result.errors;
+  EXPECT_THAT(result.errors, ContainsRegex("^lamella: error: [^\n]*; [^\n]+\n$"));
+  EXPECT_THAT(result.errors, HasSubstr(GetParam().mentions));
+  EXPECT_THAT(result.output, IsEmpty());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Usage, Misused,
+    ::testing::Values(
+        Misuse{"", "subcommand"}, Misuse{"slide x.step", "slide"}, Misuse{"info", "files"},
+        Misuse{"info x.step --frobnicate", "--frobnicate"}, Misuse{"slice x.step", "--output"},
+        Misuse{"slice -o out", "files"}, Misuse{"slice x.step -o out --pitch nan", "--pitch"},
+        Misuse{"slice x.step -o out --pitch inf", "--pitch"}, Misuse{"slice x.step -o out --pitch -1", "--pitch"},
+        Misuse{"slice x.step -o out --pitch 0", "--pitch"}, Misuse{"slice x.step -o out --pitch 1e999", "--pitch"},
+        Misuse{"slice x.step -o out --pitch 0.1mm", "--pitch"}, Misuse{"slice x.step -o out --pitch 1,2,3", "--pitch"},
+        Misuse{"slice x.step -o out --pitch 1,-2", "--pitch"}, Misuse{"slice x.step -o out --pitch ''", "--pitch"},
+        Misuse{"slice x.step -o out --pitch 1 --dpi 300", "exclude"},
+        Misuse{"slice x.step -o out --dpi 0,300", "--dpi"},
+        Misuse{"slice x.step -o out --layer-height -0.1", "--layer-height"},
+        Misuse{"slice x.step -o out --origin 1,2", "--origin"},
+        Misuse{"slice x.step -o out --origin 1,2,nan", "--origin"},
+        Misuse{"slice x.step -o out --hatch-angle 45", "--hatch-spacing"},
+        Misuse{"slice x.step -o out --rotate-per-layer 90", "--hatch-spacing"},
+        Misuse{"slice x.step -o out --threads -2", "--threads"},
+        Misuse{"slice x.step -o out --threads 1e3", "--threads"},
+        Misuse{"slice x.step -o out --threads 99999999999999999999", "--threads"},
+        Misuse{"slice x.step -o out --engine span", "isn't there yet"},
+        Misuse{"slice x.step -o out --engine warp", "reference"},
+        Misuse{"slice x.step -o out --solver magic", "certified"},
+        Misuse{"slice x.step -o out --tolerance 0", "--tolerance"},
+        Misuse{"slice x.step -o out --tolerance 1e9", "--tolerance"},
+        Misuse{"slice x.step -o out --subdivision nan", "--subdivision"},
+        Misuse{"slice x.step -o out --overlap mine", "average"}, Misuse{"slice x.step -o out --tiff t", "--tiff"},
+        Misuse{"slice x.step -o out --xml a.xml --vdb ./a.xml", "same place"},
+        Misuse{"slice x.step -o ./x.step", "overwrite an input"},
+        Misuse{"slice x.step -o out --materials m.xml --xml m.xml", "overwrite an input"},
+        Misuse{"info x.step --write-materials x.step", "overwrite an input"}, Misuse{"ray x.step", "--from"},
+        Misuse{"ray x.step --from 0,0,0", "--dir"}, Misuse{"ray x.step --from 0,0,0 --dir 0,0,0", "--dir"},
+        Misuse{"ray x.step --from 0,0,0 --dir 1,0,inf", "--dir"},
+        Misuse{"ray x.step --from 0,0,0 --dir 1,0,0 --rays r.txt", "--rays"},
+        Misuse{"ray x.step --from 0,0,0 --dir 1,0,0 --engine span", "isn't there yet"},
+        Misuse{"export build --to png", "--output"},
+        Misuse{"export build --to tiff -o t", "available: png, png-indexed, vdb, xml"},
+        Misuse{"export build --to jpeg -o t", "available"},
+        Misuse{"export build --to xml -o t.xml --layers 5", "--layers"},
+        Misuse{"export build --to xml -o t.xml --layers 7:3", "--layers"},
+        Misuse{"export build --to xml -o t.xml --layers -1:3", "--layers"},
+        Misuse{"export build --to xml -o t.xml --xml-payload hex", "--xml-payload"}, Misuse{"check", "path"}));
+
+TEST(Errors, AreJsonOnStdoutToo) {
+  const CommandResult result = run_lamella("slice x.step -o out --pitch nan --json");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.errors, StartsWith("lamella: error: "));
+  const Json error = parse_output(result)["error"];
+  expect_keys(error, {"code", "what", "where", "hint"});
+  EXPECT_EQ(error["code"], 1);
+  EXPECT_EQ(error["where"], "--pitch");
+}
+
+TEST(Errors, AFileThatIsntThereIsExitCodeTwo) {
+  for (const std::string verb : {"info absent.step", "slice absent.step -o absent-build", "check absent.step",
+                                 "ray absent.step --from 0,0,0 --dir 1,0,0", "export absent-build --to xml -o a.xml"}) {
+    const CommandResult result = run_lamella(verb + " --json");
+    EXPECT_EQ(result.exit_code, 2) << verb << result.errors;
+    EXPECT_THAT(result.errors, HasSubstr("absent")) << verb;
+    EXPECT_EQ(parse_output(result)["error"]["code"], 2) << verb;
+  }
+  EXPECT_FALSE(std::filesystem::exists("absent-build"));
+}
+
+TEST(Errors, NamesCantSteerTheTerminal) {
+  const CommandResult result = run_lamella("info $'\\033[2Jx.step'");
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.errors.find('\x1B'), std::string::npos) << result.errors;
+}
+
+TEST(Errors, AFullDiskBehindStdoutIsExitCodeFour) {
+  const CommandResult result = run_command("bash -c \"" + lamella_binary().string() + " --version > /dev/full\"");
+  EXPECT_EQ(result.exit_code, 4) << result.errors;
+}
+
+}  // namespace
+}  // namespace lamella::test
