@@ -171,7 +171,14 @@ class InteriorBounds {
 
   void search() {
     if (region_.bounds().isEmpty()) return;
-    const RationalForm form = rational_form(surface_, region_.bounds());
+    try {
+      search(rational_form(surface_, region_.bounds()));
+    } catch (const GeometryError&) {
+      result_.converged = false;  // beyond the stated limits: the border's box stands
+    }
+  }
+
+  void search(const RationalForm& form) {
     ExtremumLimits limits;
     limits.accuracy =
         kAccuracy * std::max(size_of(form.patches), border_.box.isEmpty() ? 0.0 : border_.box.sizes().norm());

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
-#include <optional>
+#include <utility>
 #include <vector>
 
+#include "core/error.h"
 #include "model/face_quadrature.h"
 
 namespace lamella {
@@ -96,7 +96,7 @@ class Integration {
       : relative_error_(relative_error) {
     const Vec3 reference = middle_of(scene, faces);
     estimates_.reserve(faces.size());
-    for (const FaceId face : faces) add(FaceEstimate(scene, face, reference));
+    for (const FaceId face : faces) add(scene, face, reference);
     size_ = size_of(scene, faces);
   }
 
@@ -106,17 +106,23 @@ class Integration {
     }
     SurfaceSums sums = sum();
     sums.volume_error = errors().volume;
-    sums.converged = all_finite_ && within(errors(), allowed());
+    sums.unmeasured = unmeasured_;
+    sums.converged = unmeasured_.empty() && within(errors(), allowed());
     return sums;
   }
 
  private:
-  void add(FaceEstimate estimate) {
-    if (estimate.value().is_finite()) {
-      estimates_.push_back(std::move(estimate));
-    } else {
-      all_finite_ = false;
+  void add(const Scene& scene, FaceId face, const Vec3& reference) {
+    try {
+      FaceEstimate estimate(scene, face, reference);
+      if (estimate.value().is_finite()) {
+        estimates_.push_back(std::move(estimate));
+        return;
+      }
+    } catch (const GeometryError&) {
+      // Named by the caller: one bad face must not keep the other solids from being measured.
     }
+    unmeasured_.push_back(face);
   }
 
   static double size_of(const Scene& scene, std::span<const FaceId> faces);
@@ -160,7 +166,7 @@ class Integration {
 
   double relative_error_;
   double size_ = 0.0;
-  bool all_finite_ = true;
+  std::vector<FaceId> unmeasured_;
   std::vector<FaceEstimate> estimates_;
 };
 

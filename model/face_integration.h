@@ -14,12 +14,13 @@ struct SurfaceSums {
   Vec3 abs_normal_area = Vec3::Zero();  ///< mm^2
   double volume_error = 0.0;            ///< estimated, mm^3
   bool converged = true;                ///< every face finite, and the errors within what was asked
+  std::vector<FaceId> unmeasured;       ///< faces left out: not finite or beyond the limits of the exact model
   std::vector<FaceId> contradictory;    ///< faces whose loops run the wrong way round for their orientation
 };
 
 /// Refines face by face until the estimated errors of volume and area are below `relative_error` of their values, those
-/// of the |n| integrals below 0.3 %, or the work per face is spent. A face whose integrals aren't finite counts for
-/// nothing and makes the result not converged.
+/// of the |n| integrals below 0.3 %, or the work per face is spent. A face whose integrals aren't finite, or whose
+/// geometry is beyond the stated limits, counts for nothing and makes the result not converged.
 [[nodiscard]] SurfaceSums integrate_faces(const Scene& scene, std::span<const FaceId> faces, double relative_error);
 
 /// How often the shells' faces wind round `point`: near 1 inside a closed outward-oriented shell, 0 outside.

@@ -35,15 +35,24 @@ void report_contradictory(const std::vector<FaceId>& faces, FaultLog& log) {
   }
 }
 
+void report_unmeasured(const std::vector<FaceId>& faces, FaultLog& log) {
+  for (const FaceId face : faces) {
+    log.add(Fault::not_finite, SolidStatus::invalid, face, 0,
+            "the face's geometry is not finite or beyond the limits of the exact model (degree, weights)",
+            "repair or simplify the face in the CAD system");
+  }
+}
+
 ShellFacts measure_shell(const Scene& scene, ShellId id, FaultLog& log) {
   ShellFacts facts;
   facts.id = id;
   const Shell& shell = scene.shells[id];
   const SurfaceSums sums = integrate_faces(scene, faces_of(shell), kVolumeAccuracy);
   report_contradictory(sums.contradictory, log);
+  report_unmeasured(sums.unmeasured, log);
   facts.volume = sums.volume;
-  facts.certain = std::abs(sums.volume) > 10.0 * sums.volume_error && sums.volume != 0.0;
-  if (!facts.certain) {
+  facts.certain = sums.unmeasured.empty() && std::abs(sums.volume) > 10.0 * sums.volume_error && sums.volume != 0.0;
+  if (!facts.certain && sums.unmeasured.empty()) {
     log.add(Fault::shell_unmeasured, SolidStatus::invalid, shell.faces.first, shell.step_entity,
             "the shell encloses no certain volume", "its surfaces cross or fold back; repair it in the CAD system");
   }
