@@ -13,23 +13,27 @@ constexpr std::array kTieSteps{1.0, 10.0, 100.0};
 /// Sideways part of a tie step: small, so that `up` decides first, as in "z + 0, then y + 0".
 constexpr double kTieSide = 0.01;
 /// Steps out of the zones about inexact edges, times the zone's radius.
-constexpr std::array kZoneSteps{1.5, 3.0, 6.0, 12.0};
+constexpr std::array kZoneSteps{1.2, 2.4, 4.8, 9.6};
 /// Directions of those steps in (up, up x direction): none along an axis, where edges like to run.
 constexpr std::array<std::array<double, 2>, 4> kZoneDirections{{{1.0, 0.3}, {-0.3, 1.0}, {-1.0, -0.3}, {0.3, -1.0}}};
 
 /// A crossing found on a moved ray may be put back by the step times this over |n.d|: contacts up to this order.
 constexpr double kMaxContact = 8.0;
+/// Crossings of the same place on two rays at a distance `step` differ by step / |n.d| for a plane; twice that for a
+/// face that bends.
+constexpr double kMaxShift = 2.0;
 /// And never by more than this share of the solid's size.
 constexpr double kMaxMove = 0.1;
 
 /// How far one cast can be trusted, best first.
 enum class Grade { clean, doubtful, broken };
 
-/// The crossings of one attempt that count: inside, decided, in an order that alternates if there is one.
+/// The crossings of one attempt that count: decided, in an order that alternates if there is one.
 struct Attempt {
   Grade grade = Grade::broken;
   Vec3 offset = Vec3::Zero();
   std::vector<Crossing> crossings;
+  std::vector<Crossing> tangencies;
   double doubt = 0.0;  ///< mm, largest zone that raised doubt
 };
 
@@ -63,10 +67,9 @@ Attempt attempt(const SolidModel& model, const Ray& ray, const Vec3& offset, Cas
                 CastCounters& counters) {
   Attempt result;
   result.offset = offset;
-  model.find_crossings({ray.origin + offset, ray.direction}, scratch, counters);
+  result.doubt = model.find_crossings({ray.origin + offset, ray.direction}, scratch, counters);
   for (const Crossing& crossing : scratch.crossings) {
-    result.doubt = std::max(result.doubt, crossing.doubt);
-    if (crossing.inside && crossing.sense != Sense::edge) result.crossings.push_back(crossing);
+    (crossing.sense == Sense::edge ? result.tangencies : result.crossings).push_back(crossing);
   }
   order_ties(result.crossings, model.merge_distance());
   if (alternates(result.crossings)) result.grade = result.doubt > 0.0 ? Grade::doubtful : Grade::clean;
@@ -104,24 +107,72 @@ std::vector<Crossing> repaired(const std::vector<Crossing>& crossings) {
   return kept;
 }
 
+/// Puts one crossing found on a ray moved aside back onto the ray itself; false where the ray itself has none nearby.
+bool put_back(const SolidModel& model, const Ray& ray, double step, Crossing& crossing) {
+  Vec2 uv = crossing.uv;
+  double t = crossing.t;
+  if (!model.refine_crossing(ray, crossing.face, uv, t)) return false;
+  // Newton must not have gone to another sheet. A crossing moves by step / |n.d|; where the ray itself touches the face
+  // with a contact of order p, x^p = c step and |n.d| = p c x^(p-1), so that it moves by p step / |n.d|.
+  const double farthest = std::min(kMaxContact * step / model.steepness(ray, crossing), kMaxMove * model.size());
+  if (!(std::abs(t - crossing.t) <= farthest)) return false;
+  crossing.t = t;
+  crossing.uv = uv;
+  return true;
+}
+
+/// Two crossings of one face around a place where the ray itself only touches it are what moving the ray made of that
+/// touch: on the ray itself they are one point.
+void close_on_tangency(Crossing& first, Crossing& second, const std::vector<Crossing>& tangencies) {
+  for (const Crossing& tangency : tangencies) {
+    if (tangency.face != first.face || tangency.t < first.t || tangency.t > second.t) continue;
+    first.t = second.t = tangency.t;
+    return;
+  }
+}
+
 /// Depths on the ray itself of crossings found on a ray moved aside. Where the ray itself has no crossing nearby, the
 /// moved one's depth stays: off by at most offset / |n.d|.
-void put_back(const SolidModel& model, const Ray& ray, const Vec3& offset, std::vector<Crossing>& crossings) {
-  const double step = offset.norm();
+void put_back(const SolidModel& model, const Ray& ray, const Attempt& from, const std::vector<Crossing>& tangencies,
+              std::vector<Crossing>& crossings) {
+  std::vector<bool> placed;
   for (Crossing& crossing : crossings) {
     crossing.flags |= kDisplaced;
-    Vec2 uv = crossing.uv;
-    double t = crossing.t;
-    if (!model.refine_crossing(ray, crossing.face, uv, t)) continue;
-    // Newton must not have gone to another sheet. A crossing moves by step / |n.d|; where the ray itself touches the
-    // face with a contact of order p, x^p = c step and |n.d| = p c x^(p-1), so that it moves by p step / |n.d|.
-    const double farthest = std::min(kMaxContact * step / model.steepness(ray, crossing), kMaxMove * model.size());
-    if (!(std::abs(t - crossing.t) <= farthest)) continue;
-    crossing.t = t;
-    crossing.uv = uv;
+    placed.push_back(put_back(model, ray, from.offset.norm(), crossing));
+  }
+  for (std::size_t k = 0; k + 1 < crossings.size(); ++k) {
+    if (placed[k] || placed[k + 1] || crossings[k].face != crossings[k + 1].face) continue;
+    close_on_tangency(crossings[k], crossings[k + 1], tangencies);
+    placed[k] = placed[k + 1] = true;
   }
   // The order of the moved ray is the right one; depths of tangencies may have met or passed each other.
   for (std::size_t k = 1; k < crossings.size(); ++k) crossings[k].t = std::max(crossings[k].t, crossings[k - 1].t);
+}
+
+/// How far along the ray a crossing may lie from one on a ray moved aside by `step`.
+double allowance(const SolidModel& model, const Ray& ray, double step, const Crossing& crossing) {
+  return std::min(kMaxShift * step / model.steepness(ray, crossing), kMaxMove * model.size());
+}
+
+/// Whether two lists that alternate differ only as crossings differ that were moved by `step`: every interval that
+/// exactly one of them has inside is as short as the crossings at its ends allow.
+bool consistent(const SolidModel& model, const Ray& ray, double step, const std::vector<Crossing>& a,
+                const std::vector<Crossing>& b) {
+  std::size_t i = 0;
+  std::size_t j = 0;
+  const Crossing* last = nullptr;
+  while (i < a.size() || j < b.size()) {
+    const bool from_a = j == b.size() || (i < a.size() && a[i].t <= b[j].t);
+    const Crossing& next = from_a ? a[i] : b[j];
+    const bool differ = i % 2 != j % 2;
+    if (differ) {
+      const double allowed = std::max(allowance(model, ray, step, *last), allowance(model, ray, step, next));
+      if (next.t - last->t > allowed) return false;
+    }
+    last = &next;
+    ++(from_a ? i : j);
+  }
+  return true;
 }
 
 void emit(const SolidModel& model, SolidId solid, const std::vector<Crossing>& crossings, SolidCast& out,
@@ -197,8 +248,15 @@ void cast_closed(const SolidModel& model, SolidId solid, const Ray& ray, const V
   std::vector<Attempt> attempts = all_attempts(model, ray, up, scratch, counters, ties);
   const std::size_t last = attempts.size() - 1;
   const Attempt* chosen = &attempts[last];
+  const Attempt& first = attempts.front();
   if (chosen->grade == Grade::clean) {
     if (last > 0) ++(last <= ties ? counters.tie_rays : counters.tolerance_rays);
+    // Confirmed by a clean ray nearby, the crossings of the ray itself are the more exact ones. Not after a tie step,
+    // whose side is the rule.
+    if (last > ties && first.grade == Grade::doubtful &&
+        consistent(model, ray, chosen->offset.norm(), first.crossings, chosen->crossings)) {
+      chosen = &first;
+    }
   } else if (const Attempt* common = most_common(attempts)) {
     ++counters.tolerance_rays;
     chosen = common;
@@ -210,7 +268,7 @@ void cast_closed(const SolidModel& model, SolidId solid, const Ray& ray, const V
     crossings = repaired(crossings);
     ++(crossings.empty() ? counters.unclosed_rays : counters.repaired_rays);
   }
-  if (!chosen->offset.isZero(0.0)) put_back(model, ray, chosen->offset, crossings);
+  if (!chosen->offset.isZero(0.0)) put_back(model, ray, *chosen, first.tangencies, crossings);
   emit(model, solid, crossings, out, counters);
 }
 

@@ -4,50 +4,55 @@
 #include <vector>
 
 #include "model/scene.h"
+#include "slicing/reference/patch_tree.h"
 
 namespace lamella::reference {
 
-/// The tube about one edge in which a face's hit is doubtful, because the faces that meet there need not meet exactly.
+/// The tube about one edge inside of which the faces that share the edge need not meet exactly. A ray outside of all
+/// tubes can't slip between two faces, whatever their gaps.
 struct EdgeZone {
-  double radius = 0.0;         ///< mm: four times the gap measured between the faces, at most four times the stated one
-  double stated = 0.0;         ///< mm: the edge's own tolerance from the file
-  Box3 box;                    ///< of the edge, enlarged by the larger of the two
-  std::vector<double> params;  ///< samples along the edge's curve; a single one for a degenerate edge
-  std::vector<Vec3> points;
+  EdgeId edge;
+  double radius = 0.0;  ///< mm: 1.5 times the gap measured between the edge and its images on the faces
+  double stated = 0.0;  ///< mm: the edge's own tolerance from the file
 };
 
-/// How near a point is to an edge.
-struct EdgeNearness {
-  bool doubtful = false;       ///< within the radius of an edge's zone
-  bool within_stated = false;  ///< within an edge's stated tolerance
-  double radius = 0.0;         ///< largest radius of the zones it lies in
+/// A ray passing near an edge.
+struct EdgePass {
+  EdgeZone zone;
+  double distance = 0.0;  ///< mm
+  Vec3 point;             ///< of the edge, nearest to the ray
 };
 
-/// Zones of all edges of one solid, by face.
+/// Zones of all edges of one solid, in a tree.
 class EdgeZones {
  public:
-  /// Measures the gap of every edge of `solid`: the distance between the edge's curve and each face's own image of it
-  /// at equal parameters, and to the vertices at the ends. `floor` (mm) is the least radius, the size of rounding
-  /// errors.
+  /// Measures the gap of every edge of `solid`: the distance of each face's image of the edge (by its pcurve) from the
+  /// edge's curve, and of the ends from the vertices. `floor` (mm) is the least radius, the size of rounding errors.
   EdgeZones(const Scene& scene, SolidId solid, double floor);
 
-  /// Tests `point` against the edges of face number `face` of the solid, in the order of shells and faces.
-  [[nodiscard]] EdgeNearness test(const Scene& scene, std::uint32_t face, const Vec3& point) const;
+  /// Appends every edge that the line passes within the larger of its radius and its stated tolerance; an edge may come
+  /// more than once. `items` is work space.
+  void find(const Ray& line, std::vector<std::uint32_t>& items, std::vector<EdgePass>& passes) const;
 
-  /// Largest radius among the edges of one face.
-  [[nodiscard]] double face_radius(std::uint32_t face) const { return face_radius_[face]; }
+  [[nodiscard]] const std::vector<EdgeZone>& zones() const { return zones_; }
 
  private:
-  std::vector<EdgeId> edges_;
-  std::vector<EdgeZone> zones_;
-  std::vector<std::uint32_t> first_of_face_;  ///< face f has of_face_[first_of_face_[f] .. first_of_face_[f + 1])
-  std::vector<std::uint32_t> of_face_;        ///< indices into zones_
-  std::vector<double> face_radius_;
-};
+  /// Part of an edge between two samples; it stays within `bulge` mm of its chord.
+  struct Piece {
+    std::uint32_t zone = 0;
+    double lo = 0.0;  ///< parameters of the edge's curve
+    double hi = 0.0;
+    Vec3 from;
+    Vec3 to;
+    double bulge = 0.0;
+  };
 
-/// Distance in mm from `point` to an edge's curve where that lies between `enough` and `limit`; below `enough` some
-/// distance not above it, beyond `limit` some distance beyond it.
-[[nodiscard]] double distance_to_edge(const Edge& edge, const EdgeZone& zone, const Vec3& point, double enough,
-                                      double limit);
+  void add_pieces(std::uint32_t zone);
+
+  const Scene* scene_;
+  std::vector<EdgeZone> zones_;
+  std::vector<Piece> pieces_;
+  PatchTree tree_;
+};
 
 }  // namespace lamella::reference

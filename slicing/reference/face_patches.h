@@ -5,9 +5,8 @@
 
 namespace lamella::reference {
 
-/// The rational form of a face over its (u, v) bounds, widened by about `margin` mm on every side that isn't a whole
-/// period, so that hits just beyond the trimmed region are still seen. Where a B-spline ends at the bound, its last
-/// Bezier pieces are extended: by 1e-3 of their width at most.
-[[nodiscard]] RationalForm padded_form(const Face& face, double margin);
+/// The rational form of a face over its (u, v) bounds, widened by 1e-9 of them against the rounding of the pcurves, but
+/// not beyond a whole period.
+[[nodiscard]] RationalForm face_form(const Face& face);
 
 }  // namespace lamella::reference

@@ -68,7 +68,6 @@ void ReferenceEngine::find_hits(const Ray& ray, SolidId solid, std::vector<Hit>&
   reference::CastScratch& scratch = scratch_of_this_thread();
   model->find_crossings(ray, scratch, counters);
   for (const reference::Crossing& crossing : scratch.crossings) {
-    if (!crossing.inside) continue;
     hits.push_back({crossing.t, solid, model->face_id(crossing.face), crossing.sense, crossing.flags, crossing.uv});
   }
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "core/tolerances.h"
 #include "model/evaluate.h"
@@ -85,9 +86,7 @@ SolidModel::SolidModel(const Scene& scene, SolidId solid, const ReferenceOptions
 void SolidModel::add_face(FaceId id, const ReferenceOptions& options) {
   const auto number = static_cast<std::uint32_t>(faces_.size());
   const Face& face = scene_->faces[id];
-  const double radius = zones_.face_radius(number);
-  largest_zone_ = std::max(largest_zone_, radius);
-  RationalForm form = padded_form(face, 2.0 * radius);
+  RationalForm form = face_form(face);
   RefineResult refined =
       refine(std::move(form.patches), limits_for(options), number, static_cast<std::uint32_t>(patches_.size()));
   form.patches.clear();
@@ -100,8 +99,14 @@ bool SolidModel::meets_box(const Ray& ray) const {
   return !tree_.empty() && line_meets_box(ray, tree_.bounds().min(), tree_.bounds().max());
 }
 
-void SolidModel::find_crossings(const Ray& ray, CastScratch& scratch, CastCounters& counters) const {
+double SolidModel::find_crossings(const Ray& ray, CastScratch& scratch, CastCounters& counters) const {
   scratch.crossings.clear();
+  scratch.passes.clear();
+  zones_.find(ray, scratch.candidates, scratch.passes);
+  double doubt = 0.0;
+  for (const EdgePass& pass : scratch.passes) {
+    if (pass.distance <= pass.zone.radius) doubt = std::max(doubt, pass.zone.radius);
+  }
   // From the foot of the solid's centre: the rounding of F grows with the distance of the origin.
   const double shift = ray.direction.dot(center_ - ray.origin);
   const RayPlanes planes = make_ray_planes({ray.at(shift), ray.direction});
@@ -111,13 +116,14 @@ void SolidModel::find_crossings(const Ray& ray, CastScratch& scratch, CastCounte
     scratch.roots.clear();
     solve(planes, patches_[index], scratch, counters);
     for (const PatchRoot& root : scratch.roots) {
-      add_crossing(planes, patches_[index], root, shift, scratch.crossings);
+      doubt = std::max(doubt, add_crossing(planes, patches_[index], root, shift, scratch));
     }
   }
   std::sort(scratch.crossings.begin(), scratch.crossings.end(), [](const Crossing& a, const Crossing& b) {
     return std::tie(a.t, a.face, a.sense) < std::tie(b.t, b.face, b.sense);
   });
   if (options_.solver == Solver::certified) drop_copies(scratch.crossings);
+  return doubt;
 }
 
 void SolidModel::solve(const RayPlanes& planes, const SubPatch& patch, CastScratch& scratch,
@@ -137,46 +143,38 @@ void SolidModel::solve(const RayPlanes& planes, const SubPatch& patch, CastScrat
   }
 }
 
-void SolidModel::add_crossing(const RayPlanes& planes, const SubPatch& patch, const PatchRoot& root, double shift,
-                              std::vector<Crossing>& crossings) const {
+/// Trim test in (u, v). Returns the doubt that it leaves.
+double SolidModel::add_crossing(const RayPlanes& planes, const SubPatch& patch, const PatchRoot& root, double shift,
+                                CastScratch& scratch) const {
   const FaceModel& face = faces_[patch.face];
   const Interval& u = patch.patch.u;
   const Interval& v = patch.patch.v;
   const Vec2 st(u.lo + u.length() * root.u, v.lo + v.length() * root.v);
   const Vec2 half_st(u.length() * root.half_u, v.length() * root.half_v);
-  const Vec3 point = evaluate_point(patch.patch, st.x(), st.y());
   Crossing crossing;
-  crossing.t = planes.depth(point) + shift;
   crossing.face = patch.face;
   crossing.uv = face.form.to_surface(st);
-  const Vec2 half =
-      root.undecided ? Vec2(0.5 * (face.form.to_surface(st + half_st) - face.form.to_surface(st - half_st)).cwiseAbs())
-                     : Vec2(Vec2::Zero());
   crossing.sense = root.undecided ? Sense::edge : root.enters == face.same_sense ? Sense::entry : Sense::exit;
+  Vec2 half = Vec2::Zero();
+  if (root.undecided) half = 0.5 * (face.form.to_surface(st + half_st) - face.form.to_surface(st - half_st)).cwiseAbs();
+  const TrimRegion::Side side = face.trim.classify(crossing.uv, half);
+  if (side == TrimRegion::Side::outside) return 0.0;
+
+  const Vec3 point = evaluate_point(patch.patch, st.x(), st.y());
+  crossing.t = planes.depth(point) + shift;
+  crossing.uv = face.trim.unwrap(crossing.uv, half);
+  for (const EdgePass& pass : scratch.passes) {
+    if ((pass.point - point).norm() <= std::max(pass.zone.stated, pass.zone.radius)) crossing.flags |= kNearEdge;
+  }
   if (root.undecided) {
+    crossing.flags |= kTangent;
     for (const Vec2& corner : {Vec2(-half_st), half_st, Vec2(half_st.x(), -half_st.y())}) {
       const Vec3 end = evaluate_point(patch.patch, st.x() + corner.x(), st.y() + corner.y());
       crossing.half_t = std::max(crossing.half_t, std::abs(planes.direction.dot(end - point)));
     }
   }
-  judge(face, half, point, root.undecided, crossing);
-  if (crossing.inside || crossing.doubt > 0.0) crossings.push_back(crossing);
-}
-
-/// Trim test, and the doubt that edges and tangencies leave.
-void SolidModel::judge(const FaceModel& face, const Vec2& half, const Vec3& point, bool undecided,
-                       Crossing& crossing) const {
-  const TrimRegion::Side side = face.trim.classify(crossing.uv, half);
-  crossing.inside = side != TrimRegion::Side::outside;
-  const EdgeNearness nearness = zones_.test(*scene_, crossing.face, point);
-  if (nearness.doubtful) crossing.doubt = nearness.radius;
-  if (side == TrimRegion::Side::on_boundary) crossing.doubt = std::max(crossing.doubt, smallest_step_);
-  if (crossing.doubt > 0.0 || nearness.within_stated) crossing.flags |= kNearEdge;
-  if (undecided) {
-    crossing.flags |= kTangent;
-    if (crossing.inside) crossing.doubt = std::max(crossing.doubt, smallest_step_);
-  }
-  crossing.uv = face.trim.unwrap(crossing.uv);
+  scratch.crossings.push_back(crossing);
+  return root.undecided || side == TrimRegion::Side::on_boundary ? smallest_step_ : 0.0;
 }
 
 /// A face does not meet itself, so two crossings of one face in one sense at one point are copies of one root, from two
@@ -191,11 +189,8 @@ void SolidModel::drop_copies(std::vector<Crossing>& crossings) const {
       Crossing& other = crossings[k];
       const double apart = crossing.t - other.t - crossing.half_t - other.half_t;
       if (apart > merge_distance_ || other.face != crossing.face || other.sense != crossing.sense) continue;
-      const double doubt = std::max(other.doubt, crossing.doubt);
-      const double half_t = std::max(other.half_t, crossing.half_t);
-      if (crossing.inside && !other.inside) other = crossing;
-      other.doubt = doubt;
-      other.half_t = half_t;
+      other.half_t = std::max(other.half_t, crossing.half_t);
+      other.flags |= crossing.flags;
       copy = true;
       break;
     }

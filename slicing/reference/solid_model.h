@@ -15,7 +15,7 @@
 
 namespace lamella::reference {
 
-/// One place where a ray meets the surface of a face, in or near its trimmed region.
+/// One place where a ray meets the trimmed region of a face.
 struct Crossing {
   double t = 0.0;          ///< mm along the ray
   double half_t = 0.0;     ///< mm: half-length of a tangency that stayed undecided
@@ -34,6 +34,7 @@ struct CastScratch {
   CertifiedSolver solver;
   std::vector<PatchRoot> roots;
   std::vector<Crossing> crossings;
+  std::vector<EdgePass> passes;
 };
 
 /// Everything precomputed for the rays through one solid: its sub-patches in a tree of boxes, its trimmed regions and
@@ -43,9 +44,11 @@ class SolidModel {
   /// Throws GeometryError for surfaces beyond the stated limits.
   SolidModel(const Scene& scene, SolidId solid, const ReferenceOptions& options);
 
-  /// All crossings of the line, ascending in t, unless its box is missed. Copies of one root on borders that
+  /// All crossings of the line into scratch.crossings, ascending in t. Copies of one root on borders that
   /// sub-patches share are dropped for the certified solver; the paper's own solvers are left as they are.
-  void find_crossings(const Ray& ray, CastScratch& scratch, CastCounters& counters) const;
+  /// Returns the doubt, mm: the radius of the largest edge zone that the line passes through, at least smallest_step()
+  /// where it touches a face or meets the boundary of one in (u, v); 0 if every crossing is certain.
+  double find_crossings(const Ray& ray, CastScratch& scratch, CastCounters& counters) const;
 
   [[nodiscard]] bool meets_box(const Ray& ray) const;
   /// Where `ray` meets face number `face` near `uv`, by Newton's iteration; false if it doesn't converge or strays.
@@ -56,7 +59,6 @@ class SolidModel {
   [[nodiscard]] FaceId face_id(std::uint32_t face) const { return faces_[face].id; }
   [[nodiscard]] double size() const { return size_; }                    ///< mm, diagonal of the box
   [[nodiscard]] double smallest_step() const { return smallest_step_; }  ///< mm, least sideways step that breaks a tie
-  [[nodiscard]] double largest_zone() const { return largest_zone_; }
   [[nodiscard]] double merge_distance() const { return merge_distance_; }
   [[nodiscard]] std::size_t patch_count() const { return patches_.size(); }
   [[nodiscard]] std::size_t capped_faces() const { return capped_faces_; }
@@ -71,9 +73,8 @@ class SolidModel {
 
   void add_face(FaceId id, const ReferenceOptions& options);
   void solve(const RayPlanes& planes, const SubPatch& patch, CastScratch& scratch, CastCounters& counters) const;
-  void add_crossing(const RayPlanes& planes, const SubPatch& patch, const PatchRoot& root, double shift,
-                    std::vector<Crossing>& crossings) const;
-  void judge(const FaceModel& face, const Vec2& half, const Vec3& point, bool undecided, Crossing& crossing) const;
+  double add_crossing(const RayPlanes& planes, const SubPatch& patch, const PatchRoot& root, double shift,
+                      CastScratch& scratch) const;
   void drop_copies(std::vector<Crossing>& crossings) const;
 
   const Scene* scene_;
@@ -86,7 +87,6 @@ class SolidModel {
   double accuracy_ = 0.0;  ///< mm, where Newton's iteration stops
   double smallest_step_ = 0.0;
   double merge_distance_ = 0.0;  ///< mm: hits of one face and sense nearer than this are one
-  double largest_zone_ = 0.0;
   std::size_t capped_faces_ = 0;
   EdgeZones zones_;
 };

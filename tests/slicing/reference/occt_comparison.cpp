@@ -2,7 +2,9 @@
 
 #include <BRepBndLib.hxx>
 #include <BRepClass3d_SolidClassifier.hxx>
+#include <BRepGProp.hxx>
 #include <Bnd_Box.hxx>
+#include <GProp_GProps.hxx>
 #include <IntCurvesFace_ShapeIntersector.hxx>
 #include <Message.hxx>
 #include <Message_Messenger.hxx>
@@ -53,17 +55,29 @@ double corner_distance(const Box3& a, const Box3& b) {
   return std::max((a.min() - b.min()).norm(), (a.max() - b.max()).norm());
 }
 
-/// For each solid of the scene the index of OpenCASCADE's solid with the same box, each taken once; -1 for none.
-std::vector<int> match(const Scene& scene, const std::vector<Box3>& bounds, const std::vector<TopoDS_Solid>& solids) {
+double occt_volume(const TopoDS_Solid& solid) {
+  GProp_GProps properties;
+  BRepGProp::VolumeProperties(solid, properties, 1e-4);
+  return properties.Mass();
+}
+
+/// For each solid of the scene the index of OpenCASCADE's solid with the same box and volume, each taken once; -1 for
+/// none.
+std::vector<int> match(const std::vector<SolidMeasure>& measures, const std::vector<TopoDS_Solid>& solids) {
   std::vector<Box3> boxes;
-  for (const TopoDS_Solid& solid : solids) boxes.push_back(occt_box(solid));
+  std::vector<double> volumes;
+  for (const TopoDS_Solid& solid : solids) {
+    boxes.push_back(occt_box(solid));
+    volumes.push_back(occt_volume(solid));
+  }
   std::vector<bool> taken(solids.size(), false);
   std::vector<int> result;
-  for (const SolidId id : scene.solids.ids()) {
+  for (const SolidMeasure& measure : measures) {
     int best = -1;
-    double least = 1e-3 * bounds[id.value()].diagonal().norm();
+    double least = 1e-2;
     for (std::size_t k = 0; k < solids.size(); ++k) {
-      const double distance = corner_distance(bounds[id.value()], boxes[k]);
+      const double distance = corner_distance(measure.bounds, boxes[k]) / measure.bounds.diagonal().norm() +
+                              std::abs(measure.volume - volumes[k]) / measure.volume;
       if (taken[k] || !(distance < least)) continue;
       least = distance;
       best = static_cast<int>(k);
@@ -174,9 +188,9 @@ OcctComparison compare_with_occt(const std::filesystem::path& file, int rays_per
                                  double tolerance, double seconds_per_solid) {
   const Scene scene = read_step(std::span(&file, 1));
   const std::vector<TopoDS_Solid> solids = occt_solids(file);
-  std::vector<Box3> bounds;
-  for (const SolidId id : scene.solids.ids()) bounds.push_back(measure_solid(scene, id, 1e-3).bounds);
-  const std::vector<int> partner = match(scene, bounds, solids);
+  std::vector<SolidMeasure> measures;
+  for (const SolidId id : scene.solids.ids()) measures.push_back(measure_solid(scene, id, 1e-4));
+  const std::vector<int> partner = match(measures, solids);
   const ReferenceEngine engine(scene, {}, {}, 1);
 
   OcctComparison result;
@@ -192,7 +206,7 @@ OcctComparison compare_with_occt(const std::filesystem::path& file, int rays_per
     const double same = std::max(1e-6, 2.0 * info.max_tolerance);
     const Clock::time_point begin = Clock::now();
     for (int k = 0; k < rays_per_solid && seconds_since(begin) < seconds_per_solid; ++k) {
-      const Ray ray = random_ray(bounds[id.value()], random);
+      const Ray ray = random_ray(measures[id.value()].bounds, random);
       SolidCast cast;
       Clock::time_point start = Clock::now();
       engine.cast(ray, Vec3::UnitZ(), id, cast, result.counters);
