@@ -19,6 +19,11 @@ std::span<const double> span_of(const Vec3& v) { return {v.data(), 3}; }
 
 Vec3 vector_of(const std::vector<double>& values) { return {values[0], values[1], values[2]}; }
 
+/// A SHA-256 as hexadecimal digits, or nothing when it isn't known.
+bool is_digest(const std::string& text) {
+  return text.empty() || (text.size() == 64 && text.find_first_not_of("0123456789abcdef") == std::string::npos);
+}
+
 void write_sources(XmlWriter& xml, const std::vector<SourceFile>& sources) {
   xml.start("sources");
   for (const SourceFile& source : sources) {
@@ -36,6 +41,7 @@ std::vector<SourceFile> read_sources(XmlStream& xml) {
     xml.enter("source", {"path", "schema", "unit", "unit_in_mm", "sha256"});
     sources.push_back({xml.attribute("path"), xml.attribute("schema"), xml.attribute("unit"), xml.number("unit_in_mm"),
                        xml.attribute("sha256")});
+    if (!is_digest(sources.back().sha256)) xml.fail("attribute 'sha256' is not 64 lower-case hexadecimal digits");
     xml.leave();
   }
   xml.leave();

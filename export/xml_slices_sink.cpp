@@ -2,13 +2,13 @@
 #include <string>
 
 #include "core/error.h"
+#include "core/xml_writer.h"
 #include "export/build_check.h"
 #include "export/output_file.h"
 #include "export/xml_payload.h"
 #include "export/xml_slices.h"
 #include "export/xml_slices_format.h"
 #include "export/xml_slices_header.h"
-#include "export/xml_writer.h"
 
 namespace lamella {
 
