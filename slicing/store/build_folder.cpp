@@ -78,7 +78,7 @@ void prepare_build_folder(const fs::path& build) {
     throw UsageError("the folder is not empty and holds no build", build.string(), "choose an empty or new folder");
   }
   if (is_ours) remove_build_files(build);
-  make_folder(build / kShardFolder);
+  make_folder(build);
 }
 
 }  // namespace lamella

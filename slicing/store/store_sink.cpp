@@ -35,7 +35,9 @@ class StoreSink final : public LayerSink {
     build_.layers_per_shard = options_.layers_per_shard;
     prepare_build_folder(folder_);
     owns_folder_ = true;
+    // First of all the file by which a run that is killed from here on is recognised.
     write_file_atomically(folder_ / kUnfinishedName, write_build_xml(build_, false));
+    make_folder(folder_ / kShardFolder);
   }
 
   void write(const Layer& layer) override {

@@ -1,94 +1,99 @@
+#include <algorithm>
 #include <cstdio>
+#include <sstream>
+#include <utility>
 
+#include "core/xml_writer.h"
 #include "slicing/store/build_file.h"
 #include "slicing/store/build_words.h"
-#include "slicing/store/xml_writer.h"
 
 namespace lamella {
 
 namespace {
 
+std::string_view word_for(bool value) { return value ? "true" : "false"; }
+
 void write_bounds(XmlWriter& xml, const Box3& box) {
   if (box.isEmpty()) return;
-  xml.open("bounds");
+  xml.start("bounds");
   xml.attribute("x_min", box.min().x()).attribute("y_min", box.min().y()).attribute("z_min", box.min().z());
-  xml.attribute("x_max", box.max().x()).attribute("y_max", box.max().y()).attribute("z_max", box.max().z()).close();
+  xml.attribute("x_max", box.max().x()).attribute("y_max", box.max().y()).attribute("z_max", box.max().z()).end();
 }
 
 void write_sources(XmlWriter& xml, const BuildInfo& info) {
-  xml.open("sources");
+  xml.start("sources");
   for (const SourceFile& source : info.sources) {
-    xml.open("source").attribute("path", source.path).attribute("schema", source.schema);
+    xml.start("source").attribute("path", source.path).attribute("schema", source.schema);
     xml.attribute("unit", source.unit).attribute("unit_in_mm", source.unit_in_mm);
-    xml.attribute("sha256", source.sha256).close();
+    xml.attribute("sha256", source.sha256).end();
   }
-  xml.close();
+  xml.end();
 }
 
 void write_materials(XmlWriter& xml, const BuildInfo& info) {
-  xml.open("materials");
+  xml.start("materials");
   for (const MaterialId id : info.materials.ids()) {
     const Material& material = info.materials[id];
-    xml.open("material").attribute("id", id.value()).attribute("name", material.name);
+    xml.start("material").attribute("id", id.value()).attribute("name", material.name);
     if (material.density) xml.attribute("density", *material.density);
     xml.attribute("red", material.color[0]).attribute("green", material.color[1]);
-    xml.attribute("blue", material.color[2]).close();
+    xml.attribute("blue", material.color[2]).end();
   }
-  xml.close();
+  xml.end();
 }
 
 void write_solids(XmlWriter& xml, const BuildInfo& info) {
-  xml.open("solids");
+  xml.start("solids");
   for (const SolidId id : info.solids.ids()) {
     const BuildSolid& solid = info.solids[id];
-    xml.open("solid").attribute("id", id.value()).attribute("name", solid.name).attribute("path", solid.path);
+    xml.start("solid").attribute("id", id.value()).attribute("name", solid.name).attribute("path", solid.path);
     xml.attribute("material", solid.material.value()).attribute("priority", solid.priority);
     xml.attribute("volume", solid.volume_exact);
     write_bounds(xml, solid.bounds);
-    xml.close();
+    xml.end();
   }
-  xml.close();
+  xml.end();
 }
 
 void write_plan(XmlWriter& xml, const BuildInfo& info) {
   const Grid& grid = info.plan.grid;
-  xml.open("plan").attribute("overlap", name_of(info.policy)).open("grid");
+  xml.start("plan").attribute("overlap", name_of(info.policy)).start("grid");
   xml.attribute("origin_x", grid.origin.x()).attribute("origin_y", grid.origin.y());
   xml.attribute("origin_z", grid.origin.z());
   xml.attribute("pitch_x", grid.pitch.x()).attribute("pitch_y", grid.pitch.y()).attribute("pitch_z", grid.pitch.z());
-  xml.attribute("size_x", grid.size[0]).attribute("size_y", grid.size[1]).attribute("size_z", grid.size[2]).close();
+  xml.attribute("size_x", grid.size[0]).attribute("size_y", grid.size[1]).attribute("size_z", grid.size[2]).end();
   if (info.plan.hatch) {
-    xml.open("hatch").attribute("spacing", info.plan.hatch->spacing).attribute("angle", info.plan.hatch->angle);
-    xml.attribute("rotation", info.plan.hatch->rotation).close();
+    xml.start("hatch").attribute("spacing", info.plan.hatch->spacing).attribute("angle", info.plan.hatch->angle);
+    xml.attribute("rotation", info.plan.hatch->rotation).end();
   }
-  xml.close();
+  xml.end();
 }
 
 void write_layer(XmlWriter& xml, std::size_t index, const LayerSpan& span, const LayerEntry& entry) {
-  xml.open("layer").attribute("index", index).attribute("z_bottom", span.z_bottom);
+  xml.start("layer").attribute("index", index).attribute("z_bottom", span.z_bottom);
   xml.attribute("z_sample", span.z_sample).attribute("z_top", span.z_top).attribute("segments", entry.segments);
   if (entry.has_hatch) {
     xml.attribute("hatch_rows", entry.hatch_rows).attribute("hatch_segments", entry.hatch_segments);
   }
-  xml.attribute("sha256", entry.sha256).close();
+  xml.attribute("sha256", entry.sha256).end();
 }
 
 void write_layers(XmlWriter& xml, const BuildFile& build) {
-  xml.open("layers").attribute("per_shard", build.layers_per_shard);
+  xml.start("layers").attribute("per_shard", build.layers_per_shard);
   for (std::size_t shard = 0; shard < build.shards.size(); ++shard) {
-    xml.open("shard").attribute("file", shard_name(shard)).attribute("sha256", build.shards[shard].sha256);
+    xml.start("shard").attribute("file", shard_name(shard)).attribute("sha256", build.shards[shard].sha256);
     const std::size_t first = shard * build.layers_per_shard;
     const std::size_t last = std::min<std::size_t>(first + build.layers_per_shard, build.layers.size());
     for (std::size_t i = first; i < last; ++i) write_layer(xml, i, build.info.plan.layers[i], build.layers[i]);
-    xml.close();
+    xml.end();
   }
-  xml.close();
+  xml.end();
 }
 
 void write_pairs(XmlWriter& xml, std::string_view name, const std::vector<PairReport>& pairs) {
   for (const PairReport& pair : pairs) {
-    xml.open(name).attribute("first", pair.first.value()).attribute("second", pair.second.value());
-    xml.attribute("volume", pair.volume).attribute("layers", pair.layers).close();
+    xml.start(name).attribute("first", pair.first.value()).attribute("second", pair.second.value());
+    xml.attribute("volume", pair.volume).attribute("layers", pair.layers).end();
   }
 }
 
@@ -96,34 +101,34 @@ void write_counters(XmlWriter& xml, const SliceReport& report) {
   xml.attribute("layers", report.layers).attribute("rows", report.rows).attribute("rays", report.rays);
   xml.attribute("segments", report.segments);
   const CastCounters& cast = report.cast;
-  xml.open("casts").attribute("rays", cast.rays).attribute("hits", cast.hits).attribute("tie_rays", cast.tie_rays);
+  xml.start("casts").attribute("rays", cast.rays).attribute("hits", cast.hits).attribute("tie_rays", cast.tie_rays);
   xml.attribute("tolerance_rays", cast.tolerance_rays).attribute("repaired_rays", cast.repaired_rays);
   xml.attribute("unclosed_rays", cast.unclosed_rays).attribute("uncertain_hits", cast.uncertain_hits);
-  xml.attribute("candidates", cast.candidates).attribute("iterations", cast.iterations).close();
+  xml.attribute("candidates", cast.candidates).attribute("iterations", cast.iterations).end();
 }
 
 void write_report(XmlWriter& xml, const SliceReport& report) {
-  xml.open("report");
+  xml.start("report");
   write_counters(xml, report);
   for (const SolidId id : report.solids.ids()) {
     const SolidReport& solid = report.solids[id];
-    xml.open("solid_result").attribute("id", id.value()).attribute("volume_sliced", solid.volume_sliced);
+    xml.start("solid_result").attribute("id", id.value()).attribute("volume_sliced", solid.volume_sliced);
     xml.attribute("volume_exact", solid.volume_exact).attribute("quadrature_bound", solid.quadrature_bound);
-    xml.attribute("left_out", solid.left_out).attribute("status", solid.status).close();
+    xml.attribute("left_out", word_for(solid.left_out)).attribute("status", solid.status).end();
   }
   for (const MaterialId id : report.materials.ids()) {
     const MaterialReport& material = report.materials[id];
-    xml.open("material_result").attribute("id", id.value()).attribute("volume", material.volume);
-    xml.attribute("mass", material.mass).close();
+    xml.start("material_result").attribute("id", id.value()).attribute("volume", material.volume);
+    xml.attribute("mass", material.mass).end();
   }
   write_pairs(xml, "overlap", report.overlaps);
   write_pairs(xml, "gap", report.gaps);
   for (const Finding& finding : report.findings) {
-    xml.open("finding").attribute("severity", name_of(finding.severity)).attribute("solid", finding.solid);
+    xml.start("finding").attribute("severity", name_of(finding.severity)).attribute("solid", finding.solid);
     xml.attribute("face", finding.face).attribute("entity", finding.entity).attribute("what", finding.what);
-    xml.attribute("hint", finding.hint).close();
+    xml.attribute("hint", finding.hint).end();
   }
-  xml.close();
+  xml.end();
 }
 
 std::string numbered(const char* format, std::size_t number) {
@@ -139,8 +144,12 @@ std::string shard_name(std::size_t shard) { return kShardFolder + numbered("/%06
 std::string layer_group_name(std::size_t layer) { return numbered("layer_%06zu", layer); }
 
 std::string write_build_xml(const BuildFile& build, bool is_complete) {
-  XmlWriter xml;
-  xml.open("build").attribute("xmlns", kBuildNamespace).attribute("version", 1).attribute("complete", is_complete);
+  std::ostringstream text;
+  XmlWriter xml(text);
+  xml.start("build")
+      .attribute("xmlns", kBuildNamespace)
+      .attribute("version", 1)
+      .attribute("complete", word_for(is_complete));
   xml.attribute("length_unit", "mm").attribute("angle_unit", "rad").attribute("mass_unit", "g");
   write_sources(xml, build.info);
   write_materials(xml, build.info);
@@ -150,8 +159,8 @@ std::string write_build_xml(const BuildFile& build, bool is_complete) {
     write_layers(xml, build);
     write_report(xml, build.report);
   }
-  xml.close();
-  return xml.take();
+  xml.end();
+  return std::move(text).str();
 }
 
 }  // namespace lamella
