@@ -15,7 +15,7 @@ SplineCurve core_profile() { return graph_spline({0, 20, 40, 60, 80, 100}, {9.4,
 
 SplineCurve pocket_profile() { return graph_spline({9, 17, 25, 33}, {0, 5.2, 4.6, 7.0, 5.4, 0}); }
 
-SplineCurve end_cap_profile() { return graph_spline({-13, -8, 0}, {0, 11.5, 12.5, 11.6, 9.4}); }
+SplineCurve end_cap_profile() { return graph_spline({-13, -8, 0}, {0, 12.6, 13.4, 11.4, 9.4}); }
 
 /// The hand's side of the cover: closed around x, waved for four fingers below, smooth above, six-fold ribs around.
 SplineSurface cover_outside() {
@@ -31,8 +31,8 @@ SplineSurface cover_outside() {
     const double below = std::max(0.0, -std::sin(angle));
     for (const double at : x) {
       const double along = (at - kCoverBegin) / (kCoverEnd - kCoverBegin);
-      const double belly = 16.2 + 1.8 * std::sin(kPi * along) - 0.9 * along;
-      const double fingers = 1.3 * below * std::cos(8 * kPi * along);
+      const double belly = 12.4 + 5.4 * (1 - std::pow(2 * along - 1, 6)) - 0.8 * along;
+      const double fingers = 1.6 * below * std::cos(8 * kPi * along);
       const double ribs = 0.35 * std::cos(6 * angle);
       const double radius = belly + fingers + ribs;
       s.poles.push_back({at, radius * std::cos(angle), 0.92 * radius * std::sin(angle)});
@@ -72,8 +72,8 @@ Part core_part(const SplineCurve& profile) {
 Part cover_part(const SplineCurve& core) {
   const SplineSurface outside = fingers_down(cover_outside());
   const double enclosed = std::abs(y_flux(outside));
-  const TopoDS_Shape channel = torus({49, 0, 0}, {1, 0, 0}, 12.3, 1.1);
-  const double air = 2 * kPi * kPi * 12.3 * 1.1 * 1.1;
+  const TopoDS_Shape channel = torus({49, 0, 0}, {1, 0, 0}, 12.3, 1.4);
+  const double air = 2 * kPi * kPi * 12.3 * 1.4 * 1.4;
   const double volume = enclosed - revolved_volume(core, kCoverBegin, kCoverEnd) - air;
   return {"Überzug",
           with_voids(cover(outside, core), {channel}),
@@ -100,8 +100,8 @@ DataSet overmoulded_grip() {
   set.add({"Shank", revolved_polygon(shank), kSteel, {revolved_polygon_volume(shank), "Pappus"}});
   const std::vector<ProfilePoint> ferrule{{100, kShankRadius}, {110, kShankRadius}, {110, 5.0}, {107, 6.2}, {100, 7.0}};
   set.add({"Ferrule", revolved_polygon(ferrule), kBrass, {revolved_polygon_volume(ferrule), "Pappus"}});
-  const double ring = 2 * kPi * kPi * 12.2 * 1.5 * 1.5;
-  const int gel = set.define({"Gel ring", torus({0, 0, 0}, {1, 0, 0}, 12.2, 1.5), kGel, {ring, "2 pi^2 R r^2"}});
+  const double ring = 2 * kPi * kPi * 12.2 * 1.6 * 1.6;
+  const int gel = set.define({"Gel ring", torus({0, 0, 0}, {1, 0, 0}, 12.2, 1.6), kGel, {ring, "2 pi^2 R r^2"}});
   Node rings{"Gel rings", -1, gp_Trsf(), {}};
   rings.children.push_back({"Gel ring rear", gel, translation(24, 0, 0), {}});
   rings.children.push_back({"Gel ring front", gel, translation(72, 0, 0), {}});
