@@ -125,8 +125,9 @@ bool put_back(const SolidModel& model, const Ray& ray, double step, Crossing& cr
 /// touch: on the ray itself they are one point.
 void close_on_tangency(Crossing& first, Crossing& second, const std::vector<Crossing>& tangencies) {
   for (const Crossing& tangency : tangencies) {
-    if (tangency.face != first.face || tangency.t < first.t || tangency.t > second.t) continue;
-    first.t = second.t = tangency.t;
+    if (tangency.face != first.face) continue;
+    if (tangency.t + tangency.half_t < first.t || tangency.t - tangency.half_t > second.t) continue;
+    first.t = second.t = std::clamp(tangency.t, first.t, second.t);
     return;
   }
 }

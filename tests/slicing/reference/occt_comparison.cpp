@@ -93,11 +93,20 @@ std::vector<double> occt_depths(IntCurvesFace_ShapeIntersector& intersector, con
   const gp_Lin line(gp_Pnt(ray.origin.x(), ray.origin.y(), ray.origin.z()),
                     gp_Dir(ray.direction.x(), ray.direction.y(), ray.direction.z()));
   intersector.Perform(line, -1e10, 1e10);
+  struct Intersection {
+    double t;
+    bool enters;
+  };
+  std::vector<Intersection> found;
+  for (int k = 1; intersector.IsDone() && k <= intersector.NbPnt(); ++k) {
+    found.push_back({intersector.WParameter(k), intersector.Transition(k) == IntCurveSurface_In});
+  }
+  std::sort(found.begin(), found.end(), [](const Intersection& a, const Intersection& b) { return a.t < b.t; });
+  const auto last = std::unique(found.begin(), found.end(), [same](const Intersection& a, const Intersection& b) {
+    return b.t - a.t < same && a.enters == b.enters;
+  });
   std::vector<double> depths;
-  for (int k = 1; intersector.IsDone() && k <= intersector.NbPnt(); ++k) depths.push_back(intersector.WParameter(k));
-  std::sort(depths.begin(), depths.end());
-  const auto last = std::unique(depths.begin(), depths.end(), [same](double a, double b) { return b - a < same; });
-  depths.erase(last, depths.end());
+  for (auto it = found.begin(); it != last; ++it) depths.push_back(it->t);
   return depths;
 }
 
