@@ -2,6 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <iterator>
+#include <map>
+#include <regex>
+#include <sstream>
 
 #include "tests/architecture/include_rules.h"
 #include "tests/support/paths.h"
@@ -25,6 +28,34 @@ TEST(Architecture, EveryIncludePointsLeftAndThirdPartiesStayInTheirPlace) {
       ADD_FAILURE() << violation.file << " includes " << violation.header << ": " << violation.reason;
     }
   }
+}
+
+/// Names of the types that `text` defines in namespaces, as "lamella::step::Assembly".
+std::vector<std::string> defined_types(const std::string& text) {
+  static const std::regex kNamespace("^namespace ([A-Za-z_:]+) \\{$");
+  static const std::regex kType("^(?:class|struct|enum class) ([A-Za-z0-9]+)\\b[^;]*$");
+  std::vector<std::string> types;
+  std::string scope;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::smatch match;
+    if (std::regex_match(line, match, kNamespace)) scope = match[1];
+    if (std::regex_match(line, match, kType)) types.push_back(scope + "::" + match[1].str());
+  }
+  return types;
+}
+
+// Two types of one name in two libraries are one to the linker, which keeps either's functions for both.
+TEST(Architecture, NoTwoHeadersDefineTheSameType) {
+  std::map<std::string, std::string> home;
+  for (const auto& source : layered_sources(source_dir())) {
+    if (source.extension() != ".h") continue;
+    for (const std::string& type : defined_types(contents(source_dir() / source))) {
+      const auto [place, is_new] = home.emplace(type, source.string());
+      EXPECT_TRUE(is_new) << type << " is defined in " << place->second << " and in " << source;
+    }
+  }
+  EXPECT_THAT(home, ::testing::Contains(::testing::Key("lamella::Scene")));
 }
 
 TEST(Architecture, FindsAnArrowToTheRight) {
