@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
-#include <type_traits>
 
 #include "core/error.h"
 #include "model/bspline.h"
@@ -15,12 +14,6 @@ namespace {
 using Map = RationalForm::Map;
 
 Interval along(const Box2& box, int axis) { return {box.min()[axis], box.max()[axis]}; }
-
-/// What one direction of the nets is made of; `turn` gives the homogeneous point of meridian point `p` at arc point k.
-struct Direction {
-  Map map = Map::same;
-  std::vector<double> breaks;
-};
 
 BezierPatch empty_patch(int degree_u, int degree_v, Interval u, Interval v) {
   return {degree_u, degree_v, u, v, std::vector<Vec4>(static_cast<std::size_t>(degree_u + 1) * (degree_v + 1))};
