@@ -26,6 +26,17 @@ Error as_error(const std::exception_ptr& exception) {
   }
 }
 
+/// A word in the verb's place that is no verb: CLI11 would only say that one is missing.
+void refuse_unknown_verb(const CLI::App& program, int argc, char** argv) {
+  if (argc < 2 || argv[1][0] == '-') return;
+  std::string known;
+  for (const CLI::App* verb : program.get_subcommands([](const CLI::App*) { return true; })) {
+    if (verb->get_name() == argv[1]) return;
+    known += (known.empty() ? "" : ", ") + verb->get_name();
+  }
+  throw UsageError("unknown verb '" + std::string(argv[1]) + "'", {}, "one of: " + known);
+}
+
 /// Reads the command line. Returns true when only help or the version was asked for, which has been printed then.
 bool parse(CLI::App& program, int argc, char** argv) {
   try {
@@ -53,6 +64,7 @@ ExitCode run(int argc, char** argv, Terminal& terminal, CommonOptions& common) {
       "  lamella slice grip.step -o build --layer-height 0.1 --pitch 0.05 --png images\n"
       "  lamella export build --to vdb -o grip.vdb\n"
       "lamella VERB --help tells more.");
+  refuse_unknown_verb(program, argc, argv);
   if (parse(program, argc, argv)) return ExitCode::ok;
   return action(Session(common, terminal));
 }

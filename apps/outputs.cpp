@@ -25,8 +25,9 @@ constexpr std::array kPlannedFormats{"polyjet", "tiff",       "sl1", "vti", "vtp
 /// Where the path leads when links and dots are followed as far as it exists.
 fs::path resolved(const fs::path& path) {
   std::error_code failure;
-  fs::path real = fs::weakly_canonical(path, failure);
-  if (failure) return path.lexically_normal();
+  const fs::path full = fs::absolute(path, failure);
+  fs::path real = fs::weakly_canonical(full, failure);
+  if (failure) return full.lexically_normal();
   return real.has_filename() ? real : real.parent_path();
 }
 

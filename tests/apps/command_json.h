@@ -39,6 +39,22 @@ inline void write_text(const std::filesystem::path& path, const std::string& tex
   std::ofstream(path, std::ios::binary) << text;
 }
 
+/// Writes the boxes without one face of their first part, or of every part; returns the quoted path.
+inline std::string write_open_boxes(const std::filesystem::path& path, bool every_part) {
+  std::string text = contents(datasets_dir() / "touching_boxes/touching_boxes.step");
+  std::size_t cut = 0;
+  for (std::size_t at = text.find("CLOSED_SHELL("); at != std::string::npos; at = text.find("CLOSED_SHELL(", at + 1)) {
+    const std::size_t end = text.find("))", at);
+    const std::size_t comma = text.rfind(',', end);
+    text.erase(comma, end - comma);
+    ++cut;
+    if (!every_part) break;
+  }
+  EXPECT_GE(cut, 1U);
+  write_text(path, text);
+  return quoted(path);
+}
+
 /// The names of all files below a folder.
 inline std::vector<std::string> files_below(const std::filesystem::path& folder) {
   std::vector<std::string> names;

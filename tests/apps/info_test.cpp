@@ -102,15 +102,25 @@ TEST(Info, AnUnwritableStarterFileIsExitCodeFour) {
 
 TEST(Info, QuietMeansNoProgress) { EXPECT_THAT(run_lamella("info " + boxes() + " --quiet").errors, IsEmpty()); }
 
-TEST(Info, OpenSolidsAreNamedAndEndInExitCodeTwoOrThree) {
-  LAMELLA_NEEDS_CORPUS();
-  const CommandResult result =
-      run_lamella("info --json " + quoted(corpus_dir() / "badw_occt_bug25169_box_openshell.stp"));
+TEST(Info, AnOpenSolidAmongOthersIsNamedAndEndsInExitCodeThree) {
+  const TemporaryFolder folder;
+  const CommandResult result = run_lamella("info --json " + write_open_boxes(folder / "open.step", false));
+  EXPECT_EQ(result.exit_code, 3) << result.errors;
+  const Json info = parse_output(result);
+  EXPECT_EQ(info["solids"][0]["closed"], false);
+  EXPECT_EQ(info["solids"][0]["status"], "open");
+  EXPECT_EQ(info["solids"][1]["closed"], true);
+  EXPECT_THAT(info["warnings"], Not(IsEmpty()));
+  EXPECT_THAT(result.errors, HasSubstr(info["solids"][0]["path"].get<std::string>()));
+}
+
+TEST(Info, OnlyOpenSolidsEndInExitCodeTwo) {
+  const TemporaryFolder folder;
+  const CommandResult result = run_lamella("info --json " + write_open_boxes(folder / "open.step", true));
   EXPECT_EQ(result.exit_code, 2) << result.errors;
   EXPECT_THAT(result.errors, HasSubstr("#"));
   const Json info = parse_output(result);
-  EXPECT_EQ(info["solids"][0]["closed"], false);
-  EXPECT_THAT(info["warnings"], Not(IsEmpty()));
+  expect_keys(info, {"files", "solids", "warnings", "error"});
   EXPECT_EQ(info["error"]["code"], 2);
 }
 

@@ -125,9 +125,9 @@ TEST(Slice, AForeignFolderIsRefusedAndLeftAlone) {
 TEST(Slice, AnUnwritableOutputIsExitCodeFour) {
   const TemporaryFolder folder;
   write_text(folder / "file", "");
-  for (const std::string output :
-       {"-o " + quoted(folder / "file"), "-o " + quoted(folder / "file" / "build"),
-        "-o " + quoted(folder / "build") + " --xml " + quoted(folder.path()), "-o /proc/nowhere/build"}) {
+  for (const std::string& output : std::vector<std::string>{
+           "-o " + quoted(folder / "file"), "-o " + quoted(folder / "file" / "build"),
+           "-o " + quoted(folder / "build") + " --xml " + quoted(folder.path()), "-o /proc/nowhere/build"}) {
     const CommandResult result = run_lamella("slice " + boxes() + kCoarse + output);
     EXPECT_EQ(result.exit_code, 4) << output << "\n" << result.errors;
   }
@@ -184,11 +184,24 @@ TEST(Slice, ALatticeBeyondReasonIsExitCodeOne) {
   }
 }
 
-TEST(Slice, OnlyOpenSolidsIsExitCodeTwoAndWritesNothing) {
-  LAMELLA_NEEDS_CORPUS();
+TEST(Slice, AnOpenSolidIsLeftOutAndNamedWithExitCodeThree) {
   const TemporaryFolder folder;
-  const CommandResult result = run_lamella("slice " + quoted(corpus_dir() / "badw_occt_bug25169_box_openshell.stp") +
-                                           kCoarse + "-o " + quoted(folder / "build"));
+  const std::string model = write_open_boxes(folder / "open.step", false);
+  const CommandResult result = run_lamella("slice " + model + kCoarse + "--json -o " + quoted(folder / "build"));
+  EXPECT_EQ(result.exit_code, 3) << result.errors;
+  const Json report = parse_output(result);
+  EXPECT_EQ(report["solids"][0]["status"], "open");
+  EXPECT_EQ(report["solids"][0]["left_out"], true);
+  EXPECT_EQ(report["solids"][0]["volume_sliced"], 0);
+  EXPECT_GT(report["solids"][1]["volume_sliced"], 0);
+  EXPECT_THAT(result.errors, HasSubstr("error budget"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "build/build.xml"));
+}
+
+TEST(Slice, OnlyOpenSolidsIsExitCodeTwoAndWritesNothing) {
+  const TemporaryFolder folder;
+  const std::string model = write_open_boxes(folder / "open.step", true);
+  const CommandResult result = run_lamella("slice " + model + kCoarse + "-o " + quoted(folder / "build"));
   EXPECT_EQ(result.exit_code, 2) << result.errors;
   EXPECT_THAT(result.errors, HasSubstr("--allow-open"));
   EXPECT_FALSE(std::filesystem::exists(folder / "build"));
