@@ -83,6 +83,7 @@ void write_window(const Window& window, const LayerCutter& cutter, const LayerLi
 
 void cut_layers(const LayerCutter& cutter, const LayerLimits& limits, std::size_t layer_count, int threads,
                 Tally& tally, LayerSink& sink, const Progress& progress) {
+  progress.report("slicing", 0.0);
   Window cut;
   for (std::size_t first = 0; first < layer_count || !cut.tasks.empty(); first += kWindow) {
     Window next = plan_window(cutter, std::min(first, layer_count), layer_count);

@@ -73,6 +73,9 @@ void prepare_build_folder(const fs::path& build) {
   if (fs::exists(build, failure) && !fs::is_directory(build, failure)) {
     throw ExportError("a file is where the build's folder should be", build.string(), "choose another folder");
   }
+  if (fs::is_symlink(build / kShardFolder, failure)) {
+    throw ExportError("a link is where the build's shards should be", (build / kShardFolder).string(), "remove it");
+  }
   const bool is_ours = is_build_xml(build / kBuildName) || is_build_xml(build / kUnfinishedName);
   if (fs::is_directory(build, failure) && !fs::is_empty(build, failure) && !is_ours) {
     throw UsageError("the folder is not empty and holds no build", build.string(), "choose an empty or new folder");

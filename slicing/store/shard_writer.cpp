@@ -219,7 +219,7 @@ std::string ShardWriter::finish() {
   return write_image(file_, path_);
 }
 
-std::string write_master_file(const fs::path& path, const BuildInfo& info, std::size_t layers_per_shard) {
+void write_master_file(const fs::path& path, const BuildInfo& info, std::size_t layers_per_shard) {
   const hdf5::Session session;
   hdf5::File file = create_in_memory(path);
   put_header({file.id(), path}, info);
@@ -230,7 +230,7 @@ std::string write_master_file(const fs::path& path, const BuildInfo& info, std::
                                H5P_DEFAULT, H5P_DEFAULT),
             path);
   }
-  return write_image(file, path);
+  (void)write_image(file, path);
 }
 
 }  // namespace lamella

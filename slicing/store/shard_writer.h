@@ -30,8 +30,8 @@ class ShardWriter {
   hdf5::File file_;
 };
 
-/// Writes layers.h5: one external link a layer, "layer_000012" into its shard, and the tables of names.
-/// Returns the SHA-256 of its bytes. Throws ExportError.
-std::string write_master_file(const std::filesystem::path& path, const BuildInfo& info, std::size_t layers_per_shard);
+/// Writes layers.h5: one external link a layer, "layer_000012" into its shard, and the tables of names. Throws
+/// ExportError.
+void write_master_file(const std::filesystem::path& path, const BuildInfo& info, std::size_t layers_per_shard);
 
 }  // namespace lamella

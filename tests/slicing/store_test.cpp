@@ -1,15 +1,12 @@
 #include "slicing/store/store.h"
 
-#include <fstream>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <map>
-#include <random>
 #include <signal.h>
-#include <sstream>
 #include <sys/resource.h>
 
 #include "core/error.h"
+#include "tests/slicing/store_sample.h"
 #include "tests/support/layers.h"
 #include "tests/support/paths.h"
 
@@ -17,71 +14,14 @@ namespace lamella {
 namespace {
 
 namespace fs = std::filesystem;
+using test::contents;
+using test::make_sample;
+using test::read_file;
+using test::Sample;
 using test::TemporaryFolder;
+using test::write_file;
+using test::write_sample;
 using testing::HasSubstr;
-
-std::string read_file(const fs::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-void write_file(const fs::path& path, const std::string& bytes) {
-  fs::create_directories(path.parent_path());
-  std::ofstream(path, std::ios::binary) << bytes;
-}
-
-/// Path below `folder` and bytes of each file in it.
-std::map<std::string, std::string> contents(const fs::path& folder) {
-  std::map<std::string, std::string> files;
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (entry.is_regular_file()) files[fs::relative(entry.path(), folder).string()] = read_file(entry.path());
-  }
-  return files;
-}
-
-/// A build with names that need escaping and layers large enough to be compressed.
-struct Sample {
-  BuildInfo info;
-  SliceReport report;
-  std::vector<Layer> layers;
-};
-
-Sample make_sample(std::int64_t layer_count = 5, bool hatch = true, unsigned seed = 1) {
-  Sample sample;
-  Grid grid;
-  grid.origin = Vec3(-1.0 / 3.0, 1e-3, -7);
-  grid.pitch = Vec3(0.1, 0.2, 0.3);
-  grid.size = {40, 60, layer_count};
-  sample.info = test::make_build(grid, {"PA 12", "TPU <\"&'>", "Kupfer \xC3\xA4\n2"});
-  sample.info.policy = OverlapPolicy::average;
-  sample.info.solids[SolidId{1}].priority = -5;
-  sample.info.solids[SolidId{1}].bounds = Box3();
-  sample.info.materials[MaterialId{2}].density.reset();
-  if (hatch) sample.info.plan.hatch = HatchLattice{0.3, 0.1, 1.0};
-  std::mt19937 random(seed);
-  for (std::int64_t k = 0; k < layer_count; ++k) {
-    sample.layers.push_back(test::random_layer(sample.info, k, random, hatch));
-  }
-  sample.report.layers = static_cast<std::uint64_t>(layer_count);
-  sample.report.rows = sample.report.rays = 60 * sample.report.layers;
-  sample.report.segments = 1234;
-  sample.report.cast.hits = 1ULL << 40;
-  sample.report.solids.resize(3);
-  sample.report.solids[SolidId{1}] = {0.1, 0.2, 0.3, true, "open"};
-  sample.report.materials.resize(3);
-  sample.report.materials[MaterialId{0}] = {1.0 / 3.0, 2e-300};
-  sample.report.overlaps.push_back({SolidId{0}, SolidId{2}, 0.7, 3});
-  sample.report.gaps.push_back({SolidId{1}, SolidId{2}, 1e-9, 1});
-  sample.report.findings.push_back({Severity::error, "/a/b", "face 3", "#12", "what & why", "a \"hint\""});
-  return sample;
-}
-
-void write_sample(const Sample& sample, const fs::path& folder, const StoreOptions& options = {2, 4}) {
-  const auto sink = make_store_sink(folder, options);
-  sink->begin(sample.info);
-  for (const Layer& layer : sample.layers) sink->write(layer);
-  sink->finish(sample.report);
-}
 
 void expect_same_info(const BuildInfo& a, const BuildInfo& b) {
   ASSERT_EQ(a.sources.size(), b.sources.size());
@@ -310,139 +250,6 @@ TEST(Store, RefusesOptionsOutOfRange) {
   EXPECT_THROW((void)make_store_sink("x", {64, 10}), UsageError);
   EXPECT_THROW((void)make_store_sink("x", {64, -1}), UsageError);
 }
-
-TEST(StoreReader, RefusesWhatIsNoBuild) {
-  const TemporaryFolder folder;
-  EXPECT_THROW(StoreReader(folder / "absent"), InputError);
-  EXPECT_THROW(StoreReader(folder.path()), InputError);
-  for (const char* sample : {"valid/build/unfinished.xml", "valid/materials"}) {
-    const fs::path from = test::source_dir() / "schemas" / sample;
-    if (!fs::is_regular_file(from)) continue;
-    write_file(folder / "build/build.xml", read_file(from));
-    EXPECT_THROW(StoreReader(folder / "build"), InputError) << sample;
-  }
-}
-
-TEST(StoreReader, ReadsTheValidSampleAndRefusesEveryInvalidOne) {
-  const TemporaryFolder folder;
-  const fs::path schemas = test::source_dir() / "schemas";
-  write_file(folder / "build/build.xml", read_file(schemas / "valid/build/two_materials.xml"));
-  EXPECT_EQ(StoreReader(folder / "build").info().materials.size(), 2u);
-  int count = 0;
-  for (const auto& entry : fs::directory_iterator(schemas / "invalid/build")) {
-    write_file(folder / "build/build.xml", read_file(entry.path()));
-    EXPECT_THROW(StoreReader(folder / "build"), InputError) << entry.path();
-    ++count;
-  }
-  EXPECT_GE(count, 20);
-}
-
-TEST(BuildSchema, AcceptsTheValidSamplesAndRefusesTheInvalidOnes) {
-  const fs::path schemas = test::source_dir() / "schemas";
-  for (const std::string kind : {"valid", "invalid"}) {
-    int count = 0;
-    for (const auto& entry : fs::directory_iterator(schemas / kind / "build")) {
-      const std::string command = "xmllint --nonet --noout --schema '" + (schemas / "build.xsd").string() + "' '" +
-                                  entry.path().string() + "' > /dev/null 2>&1";
-      EXPECT_EQ(std::system(command.c_str()) == 0, kind == "valid") << entry.path();
-      ++count;
-    }
-    EXPECT_GE(count, 2);
-  }
-}
-
-TEST(StoreReader, NoticesEveryFlippedByteOfAShard) {
-  const TemporaryFolder folder;
-  write_sample(make_sample(2), folder / "build");
-  const fs::path shard = folder / "build/layers/000000.h5";
-  const std::string whole = read_file(shard);
-  for (std::size_t at = 0; at < whole.size(); at += whole.size() / 37) {
-    std::string damaged = whole;
-    damaged[at] = static_cast<char>(damaged[at] ^ 0x10);
-    write_file(shard, damaged);
-    EXPECT_THROW((void)StoreReader(folder / "build").read_layer(0), InputError) << at;
-  }
-  write_file(shard, whole.substr(0, whole.size() / 2));
-  EXPECT_THROW((void)StoreReader(folder / "build").read_layer(0), InputError);
-  fs::remove(shard);
-  EXPECT_THROW((void)StoreReader(folder / "build").read_layer(0), InputError);
-}
-
-TEST(StoreReader, SurvivesEveryTruncationOfBuildXml) {
-  const TemporaryFolder folder;
-  write_sample(make_sample(2), folder / "build");
-  const std::string whole = read_file(folder / "build/build.xml");
-  for (std::size_t size = 0; size + 2 < whole.size(); size += 41) {
-    write_file(folder / "build/build.xml", whole.substr(0, size));
-    EXPECT_THROW(StoreReader(folder / "build"), InputError) << size;
-  }
-}
-
-/// Runs a script of this folder with Debian's Python, which has h5py; its output goes to `log`.
-int run_python(const std::string& script, const std::string& arguments, const fs::path& log) {
-  const fs::path path = test::source_dir() / "tests/slicing" / script;
-  const std::string command =
-      "/usr/bin/python3 '" + path.string() + "' " + arguments + " > '" + log.string() + "' 2>&1";
-  return std::system(command.c_str());
-}
-
-bool has_h5py() { return std::system("/usr/bin/python3 -c 'import h5py' > /dev/null 2>&1") == 0; }
-
-/// Raw little-endian bytes of a layer's arrays, in the order in which read_store.py writes them.
-std::string raw_arrays(const SegmentRows& rows) {
-  std::ostringstream out;
-  const auto put = [&](const auto value) { out.write(reinterpret_cast<const char*>(&value), sizeof(value)); };
-  for (const auto start : rows.row_start) put(start);
-  for (const Segment& segment : rows.segments) put(segment.x_begin);
-  for (const Segment& segment : rows.segments) put(segment.x_end);
-  for (const Segment& segment : rows.segments) put(segment.material.value());
-  for (const Segment& segment : rows.segments) put(segment.solid.value());
-  return out.str();
-}
-
-TEST(Store, IsReadByH5pyThroughTheLinksOfLayersH5) {
-  if (!has_h5py()) GTEST_SKIP() << "no h5py";
-  const TemporaryFolder folder;
-  const Sample sample = make_sample(5);
-  write_sample(sample, folder / "build");
-  const std::string arguments = "'" + (folder / "build").string() + "' '" + (folder / "raw").string() + "'";
-  ASSERT_EQ(run_python("read_store.py", arguments, folder / "log"), 0) << read_file(folder / "log");
-  std::string expected;
-  for (const Layer& layer : sample.layers) expected += raw_arrays(layer.raster) + raw_arrays(layer.hatch->rows);
-  EXPECT_EQ(read_file(folder / "raw"), expected);
-}
-
-class HostileShard : public testing::TestWithParam<const char*> {};
-
-/// The script changes one thing in a shard and then mends the checksums of build.xml, so that only the check of that
-/// one thing can refuse it.
-TEST_P(HostileShard, IsRefused) {
-  if (!has_h5py()) GTEST_SKIP() << "no h5py";
-  const TemporaryFolder folder;
-  write_sample(make_sample(2), folder / "build");
-  const std::string arguments = "'" + (folder / "build").string() + "' " + GetParam();
-  ASSERT_EQ(run_python("damage_store.py", arguments, folder / "log"), 0) << read_file(folder / "log");
-  const StoreReader reader(folder / "build");
-  if (std::string(GetParam()) == "nothing") {
-    EXPECT_EQ(reader.read_layer(0), make_sample(2).layers[0]) << "the script computes checksums as documented";
-    return;
-  }
-  try {
-    (void)reader.read_layer(0);
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.where(), HasSubstr("000000.h5"));
-    EXPECT_THAT(error.what(), testing::Not(HasSubstr("checksum"))) << "the wrong guard stopped it";
-  }
-}
-
-INSTANTIATE_TEST_SUITE_P(Kinds, HostileShard,
-                         testing::Values("nothing", "nan", "infinite", "reversed", "overlapping", "row_start_falls",
-                                         "row_start_ends_elsewhere", "material_out_of_range", "solid_out_of_range",
-                                         "wrong_length", "wrong_type", "two_dimensions", "huge_array",
-                                         "soft_link_cycle", "external_link", "virtual_array", "external_data",
-                                         "missing_array", "group_for_array", "huge_chunk", "garbage"),
-                         [](const auto& info) { return std::string(info.param); });
 
 }  // namespace
 }  // namespace lamella
