@@ -9,7 +9,6 @@ namespace lamella::reference {
 
 namespace {
 
-constexpr std::uint32_t kLeafSize = 2;
 /// Median splits halve the items, so 2^64 items would be needed to exceed this.
 constexpr std::size_t kMaxDepth = 64;
 
@@ -50,7 +49,7 @@ void PatchTree::build(std::span<const Box3> boxes, std::uint32_t first, std::uin
   }
   const std::size_t self = nodes_.size();
   nodes_.push_back({all.min() - Vec3::Constant(margin), all.max() + Vec3::Constant(margin), first, last - first});
-  if (last - first <= kLeafSize) return;
+  if (last - first == 1) return;
   int axis = 0;
   centers.sizes().maxCoeff(&axis);
   const std::uint32_t middle = first + (last - first) / 2;

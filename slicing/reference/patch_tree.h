@@ -26,8 +26,8 @@ class PatchTree {
   struct Node {
     Vec3 lower;
     Vec3 upper;
-    std::uint32_t first = 0;  ///< leaf: first entry of `order_`; inner: the second child (the first is the next node)
-    std::uint32_t count = 0;  ///< entries of a leaf, 0 for an inner node
+    std::uint32_t first = 0;  ///< leaf: its entry of `order_`; inner: the second child (the first is the next node)
+    std::uint32_t count = 0;  ///< 1 for a leaf, 0 for an inner node
   };
 
   void build(std::span<const Box3> boxes, std::uint32_t first, std::uint32_t last, double margin);

@@ -73,7 +73,8 @@ RefineResult refine(std::vector<BezierPatch> pieces, const RefineLimits& limits,
     Open next = std::move(open.back());
     open.pop_back();
     const bool flat = is_flat(next.patch, limits);
-    const bool may_split = next.level < limits.max_level && result.patches.size() + open.size() < limits.max_patches;
+    const bool may_split =
+        next.level < limits.max_level && result.patches.size() + open.size() + 2 <= limits.max_patches;
     if (flat || !may_split) {
       result.capped |= !flat;
       const auto id = static_cast<std::uint32_t>(first_id + result.patches.size());
