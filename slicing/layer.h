@@ -47,7 +47,7 @@ struct Layer {
   double z_bottom = 0.0;
   double z_sample = 0.0;
   double z_top = 0.0;
-  SegmentRows raster;               ///< one row per raster line, j ascending with y
+  SegmentRows raster;  ///< one row per raster line, j ascending with y
   std::optional<HatchRows> hatch;
 
   bool operator==(const Layer&) const = default;

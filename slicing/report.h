@@ -14,35 +14,35 @@ namespace lamella {
 struct PairReport {
   SolidId first;
   SolidId second;
-  double volume = 0.0;               ///< mm^3, by the raster lattice
-  std::uint64_t layers = 0;          ///< number of layers it was met in
+  double volume = 0.0;       ///< mm^3, by the raster lattice
+  std::uint64_t layers = 0;  ///< number of layers it was met in
 };
 
 struct SolidReport {
-  double volume_sliced = 0.0;        ///< mm^3, of the solid alone, before priorities
-  double volume_exact = 0.0;         ///< mm^3
-  double quadrature_bound = 0.0;     ///< py A_y + pz A_z, mm^3 (command.md, exit code 3)
-  bool left_out = false;             ///< open or empty, not sliced
-  std::string status = "ok";         ///< "ok", "open", "invalid", "empty", "volume"
+  double volume_sliced = 0.0;     ///< mm^3, of the solid alone, before priorities
+  double volume_exact = 0.0;      ///< mm^3
+  double quadrature_bound = 0.0;  ///< py A_y + pz A_z, mm^3 (command.md, exit code 3)
+  bool left_out = false;          ///< open or empty, not sliced
+  std::string status = "ok";      ///< "ok", "open", "invalid", "empty", "volume"
 };
 
 struct MaterialReport {
-  double volume = 0.0;               ///< mm^3, after priorities
-  double mass = 0.0;                 ///< g, 0 when the density is unknown
+  double volume = 0.0;  ///< mm^3, after priorities
+  double mass = 0.0;    ///< g, 0 when the density is unknown
 };
 
 /// How far the answer may be trusted.
 struct SliceReport {
   std::uint64_t layers = 0;
-  std::uint64_t rows = 0;            ///< raster rows, all layers
-  std::uint64_t rays = 0;            ///< raster rays = rows
+  std::uint64_t rows = 0;  ///< raster rows, all layers
+  std::uint64_t rays = 0;  ///< raster rays = rows
   std::uint64_t segments = 0;
   CastCounters cast;
   IdVector<SolidId, SolidReport> solids;
   IdVector<MaterialId, MaterialReport> materials;
   std::vector<PairReport> overlaps;
   std::vector<PairReport> gaps;
-  std::vector<Finding> findings;     ///< warnings that belong to the result
+  std::vector<Finding> findings;  ///< warnings that belong to the result
 
   /// Whether the error budget of command.md (exit code 3) is kept.
   [[nodiscard]] bool within_budget() const;
