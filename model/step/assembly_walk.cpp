@@ -109,7 +109,7 @@ void AssemblyWalk::visit_all(const TDF_LabelSequence& labels, const Inherited& f
   names = numbered(names);
   for (int i = 1; i <= labels.Length(); ++i) {
     Inherited child = from;
-    child.path += "/" + names[i - 1];
+    (child.path += '/') += names[i - 1];
     visit(labels.Value(i), referred(labels.Value(i)), std::move(child));
   }
 }
@@ -225,7 +225,7 @@ void AssemblyWalk::add_part(const TDF_Label& part, const Inherited& from) {
     const std::string own_name = entities_.item(solids[i]).name;
     if (!own_name.empty() && (solids.size() > 1 || common.name.empty())) source.info.name = own_name;
     if (source.info.name.empty()) source.info.name = fallback;
-    if (solids.size() > 1 || (!own_name.empty() && own_name != common.name)) source.info.path += "/" + bodies[i];
+    if (solids.size() > 1 || (!own_name.empty() && own_name != common.name)) (source.info.path += '/') += bodies[i];
     assembly_.solids.push_back(std::move(source));
     if (assembly_.solids.size() > kMaxSolids)
       throw InputError("the assembly holds more than 2 million solids", from.path);
@@ -241,7 +241,7 @@ void AssemblyWalk::add_loose(const TopoDS_Shape& shape, const std::string& fallb
     if (source.info.name.empty()) source.info.name = own_name.empty() ? fallback : own_name;
     source.info.status = SolidStatus::open;
     source.info.closed = false;
-    source.info.path += "/" + path_component(own_name, word) + "." + std::to_string(++count);
+    (source.info.path += '/') += path_component(own_name, word) + "." + std::to_string(++count);
     assembly_.loose.push_back(std::move(source));
   };
   for (TopExp_Explorer it(shape, TopAbs_SHELL, TopAbs_SOLID); it.More(); it.Next()) add(it.Current(), "shell");

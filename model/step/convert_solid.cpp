@@ -232,23 +232,31 @@ Chain SolidConverter::draft_wire(const TopoDS_Shape& wire, const TopoDS_Face& fa
   return chain;
 }
 
+/// Enough to see every wave of a spline between its knots.
+int deviation_samples(const Curve2& curve) {
+  constexpr int kLeast = 24;
+  constexpr int kMost = 400;
+  const auto* spline = std::get_if<BSplineCurve<2>>(&curve);
+  return spline == nullptr ? kLeast : std::clamp(3 * static_cast<int>(spline->poles.size()), kLeast, kMost);
+}
+
 /// Raises the edges' tolerances to what the distance between curve and pcurve needs: the import states less where it
 /// doesn't measure, on planes above all.
 void SolidConverter::cover_deviations(const FaceDraft& draft) {
-  constexpr int kSamples = 24;
   constexpr double kBetweenSamples = 1.1;  // the largest distance may lie between two samples
   for (const Chain& loop : draft.loops) {
     for (const HalfEdge& half_edge : loop) {
       Edge& edge = scene_.edges[half_edge.edge];
       if (edge.degenerate) continue;
       double worst = 0.0;
-      for (int i = 0; i <= kSamples; ++i) {
-        const double s = static_cast<double>(i) / kSamples;
+      const int samples = deviation_samples(half_edge.pcurve);
+      for (int i = 0; i <= samples; ++i) {
+        const double s = static_cast<double>(i) / samples;
         const Vec3 in_space = evaluate<3>(edge.curve, edge.range.lo + s * edge.range.length()).point;
         const Vec2 uv = evaluate<2>(half_edge.pcurve, half_edge.prange.lo + s * half_edge.prange.length()).point;
         worst = std::max(worst, (evaluate_point(draft.face.surface, uv) - in_space).norm());
       }
-      if (worst > edge.tolerance) edge.tolerance = kBetweenSamples * worst;
+      edge.tolerance = std::max(edge.tolerance, kBetweenSamples * worst);
     }
   }
 }

@@ -112,7 +112,9 @@ void Part21::index_entity(std::string_view statement, std::size_t begin, int lin
 
   const KeywordScan scan = scan_keywords(statement.substr(i));
   for (const std::string_view keyword : scan.keywords) by_keyword_[upper(keyword)].push_back(position);
-  if (scan.fault != nullptr) add_fault(line, number, scan.fault);
+  if (scan.fault != nullptr) return add_fault(line, number, scan.fault);
+  if (!Parser(statement.substr(i)).parts().empty() || unreadable_.entity != 0) return;
+  unreadable_ = {line, number, "an attribute is no value: a number that is malformed, infinite or none?"};
 }
 
 const Entity* Part21::find(int number) const {
@@ -146,8 +148,11 @@ std::string Part21::keyword_of(int number) const {
   const KeywordScan scan = scan_keywords(text_.substr(entity->begin, entity->size));
   if (scan.keywords.size() == 1) return upper(scan.keywords.front());
   std::string result = "(";
-  for (const std::string_view keyword : scan.keywords) result += (result.size() > 1 ? " " : "") + upper(keyword);
-  return result + ")";
+  for (const std::string_view keyword : scan.keywords) {
+    if (result.size() > 1) result += ' ';
+    result += upper(keyword);
+  }
+  return result += ')';
 }
 
 std::vector<int> Part21::references(const Entity& entity) const {

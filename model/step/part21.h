@@ -78,6 +78,8 @@ class Part21 {
   [[nodiscard]] const std::string& schema() const { return schema_; }
   /// At most 50, in the file's order.
   [[nodiscard]] const std::vector<SyntaxFault>& faults() const { return faults_; }
+  /// The first entity in sound brackets that holds something which is no value (NAN, 1.E400, --3.); number 0 if none.
+  [[nodiscard]] const SyntaxFault& unreadable() const { return unreadable_; }
   /// Whether the text begins as a STEP file does.
   [[nodiscard]] bool recognised() const { return recognised_; }
   /// Whether DATA and the file are ended as they must be; false for a file cut short.
@@ -96,6 +98,7 @@ class Part21 {
   std::unordered_map<int, std::uint32_t> by_number_;
   std::unordered_map<std::string, std::vector<std::uint32_t>> by_keyword_;
   std::vector<SyntaxFault> faults_;
+  SyntaxFault unreadable_;
   std::string schema_;
   bool seen_any_ = false;
   bool recognised_ = false;

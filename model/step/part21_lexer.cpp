@@ -1,7 +1,7 @@
 #include "model/step/part21_lexer.h"
 
 #include <charconv>
-#include <cstdlib>
+#include <cmath>
 #include <string>
 
 namespace lamella::step {
@@ -237,7 +237,7 @@ bool Parser::parse_number(Value& value) {
   value.kind = Value::Kind::number;
   const std::size_t first = text_[at_] == '+' ? at_ + 1 : at_;
   const auto [end, error] = std::from_chars(text_.data() + first, text_.data() + text_.size(), value.number);
-  if (end == text_.data() + first) return false;
+  if (error != std::errc() || !std::isfinite(value.number)) return false;
   at_ = static_cast<std::size_t>(end - text_.data());
   return true;
 }

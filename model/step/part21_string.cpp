@@ -64,7 +64,7 @@ std::size_t append_directive(std::string_view text, std::size_t i, std::string& 
     append_utf8(out, code);
     return i + 5;
   }
-  if (rest.starts_with("\\S\\") && rest.size() > 3) {
+  if (rest.starts_with("\\S\\") && rest.size() > 3 && static_cast<unsigned char>(rest[3]) < 0x80) {
     append_utf8(out, static_cast<unsigned char>(rest[3]) + 0x80U);
     return i + 4;
   }

@@ -145,6 +145,11 @@ void require_step_text(const Part21& file, const std::string& path) {
     throw InputError("the file ends in the middle: ENDSEC or END-ISO-10303-21 is missing", line_of(path, file.lines()),
                      "the file is cut short; copy or export it again");
   }
+  // The import takes such values for anything, or never ends.
+  if (const SyntaxFault& fault = file.unreadable(); fault.entity != 0) {
+    throw InputError(label_of(fault.entity) + " " + file.keyword_of(fault.entity) + ": " + fault.what,
+                     line_of(path, fault.line), "the file is damaged; export it again");
+  }
   if (file.entities().empty()) throw InputError("the STEP file holds no entity", path, "export it again");
 }
 

@@ -3,6 +3,7 @@
 #include <fstream>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "core/sha256.h"
 #include "model/step/assembly_walk.h"
@@ -134,6 +135,7 @@ class Reader {
 
  private:
   void convert(const step::Assembly& assembly, const step::EntityIndex& entities);
+  void make_unique(std::string& path);
   void check_shapes(step::SolidReport& report, const step::Assembly& assembly, SolidId first,
                     const step::EntityIndex& entities);
 
@@ -141,6 +143,7 @@ class Reader {
   const Progress& progress_;
   Scene scene_;
   std::vector<step::PendingFaults> pending_;
+  std::set<std::string> paths_;
 };
 
 void Reader::read(const std::filesystem::path& path) {
@@ -185,6 +188,7 @@ void Reader::convert(const step::Assembly& assembly, const step::EntityIndex& en
     progress_.throw_if_cancelled();
     progress_.report("converting", 0.7 * static_cast<double>(done++) / static_cast<double>(assembly.solids.size()));
     source.info.file = file;
+    make_unique(source.info.path);
     step::append_solid(scene_, source, entities, assembly.colors);
     if (scene_.faces.size() > options_.max_faces) {
       throw InputError("the assembly has more than " + std::to_string(options_.max_faces) + " faces, instances counted",
@@ -193,17 +197,28 @@ void Reader::convert(const step::Assembly& assembly, const step::EntityIndex& en
   }
 }
 
+/// Roots of several files, and parts with numbers in their names, can meet in one path.
+void Reader::make_unique(std::string& path) {
+  const std::string wanted = path;
+  for (int n = 2; !paths_.insert(path).second; ++n) path = wanted + "." + std::to_string(n);
+}
+
 void Reader::check_shapes(step::SolidReport& report, const step::Assembly& assembly, SolidId first,
                           const step::EntityIndex& entities) {
-  std::map<const void*, bool> seen;
+  std::set<const void*> seen;
+  std::map<int, std::vector<SolidId>> pieces;  // of one stated solid, each body once
   for (std::size_t i = 0; i < assembly.solids.size(); ++i) {
     progress_.throw_if_cancelled();
     progress_.report("converting", 0.7 + 0.3 * static_cast<double>(i) / static_cast<double>(assembly.solids.size()));
     const TopoDS_Shape& shape = assembly.solids[i].shape;
-    if (shape.ShapeType() != TopAbs_SOLID) continue;  // open anyway
-    if (!seen.emplace(shape.TShape().get(), true).second) continue;
+    if (shape.ShapeType() == TopAbs_COMPOUND || !seen.insert(shape.TShape().get()).second) continue;
+    if (shape.ShapeType() == TopAbs_SOLID) {
+      pieces[assembly.solids[i].info.step_entity].push_back(SolidId{first.value() + i});
+    }
     report.add_shape_faults(SolidId{first.value() + i}, step::check_shape(shape.Located(TopLoc_Location()), entities));
   }
+  pieces.erase(0);
+  for (const auto& [entity, solids] : pieces) report.add_split(solids);
 }
 
 Scene Reader::finish() {

@@ -143,6 +143,15 @@ void SolidReport::add_shape_faults(SolidId solid, const std::vector<ShapeFault>&
   worsen(solids, SolidStatus::invalid);
 }
 
+void SolidReport::add_split(const std::vector<SolidId>& bodies) {
+  if (bodies.size() < 2) return;
+  const int entity = scene_.solids[bodies.front()].info.step_entity;
+  const std::string what =
+      "one solid of the file was split into " + std::to_string(bodies.size()) + ": its shells lie outside each other";
+  for (const SolidId solid : bodies) scene_.solids[solid].info.healed.push_back(what + " (" + label_of(entity) + ")");
+  add(Severity::warning, {bodies.front()}, 0, entity, what, "check that the voids are where they belong");
+}
+
 void SolidReport::add_wide_tolerances() {
   for (std::size_t i = first_.value(); i < scene_.solids.size(); ++i) {
     const Solid& solid = scene_.solids[SolidId{i}];

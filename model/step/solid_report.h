@@ -26,6 +26,8 @@ class SolidReport {
   void add_lost_faces();
   /// Faults that the import left in the shape of these solids; they become invalid.
   void add_shape_faults(SolidId solid, const std::vector<ShapeFault>& faults);
+  /// Bodies that the file states as one solid; no finding for a single one.
+  void add_split(const std::vector<SolidId>& bodies);
   /// Edges that close only within a tolerance beyond what counts as accurate.
   void add_wide_tolerances();
 

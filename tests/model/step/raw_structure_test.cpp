@@ -1,0 +1,81 @@
+#include "model/step/raw_structure.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+
+namespace lamella::step {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string file_of(const std::string& data) {
+  return "ISO-10303-21;\nHEADER;\nENDSEC;\nDATA;\n" + data + "\nENDSEC;\nEND-ISO-10303-21;\n";
+}
+
+/// What the check says about the text; empty when it passes.
+std::string complaint(const std::string& text) {
+  try {
+    const Part21 file(text);
+    require_step_text(file, "part.step");
+    require_acyclic(file, "part.step", {});
+  } catch (const InputError& error) {
+    return std::string(error.what()) + " (" + error.where() + ")";
+  }
+  return {};
+}
+
+TEST(RawStructure, NamesACircleOfShapes) {
+  const std::string said =
+      complaint(file_of("#1=PLANE('',#2);\n#2=OFFSET_SURFACE('',#3,1.,.F.);\n#3=OFFSET_SURFACE('',#2,1.,.F.);"));
+  EXPECT_THAT(said, HasSubstr("#2 OFFSET_SURFACE -> #3 OFFSET_SURFACE -> #2"));
+  EXPECT_THAT(said, HasSubstr("line 6"));
+}
+
+TEST(RawStructure, NamesAnAssemblyThatContainsItself) {
+  const std::string said = complaint(file_of(
+      "#1=PRODUCT_DEFINITION('','',$,$);#2=PRODUCT_DEFINITION('','',$,$);"
+      "#3=NEXT_ASSEMBLY_USAGE_OCCURRENCE('','','',#1,#2,$);#4=NEXT_ASSEMBLY_USAGE_OCCURRENCE('','','',#2,#1,$);"));
+  EXPECT_THAT(said, HasSubstr("contains itself"));
+}
+
+TEST(RawStructure, LetsHarmlessCirclesPass) {
+  EXPECT_EQ(complaint(file_of("#1=REPRESENTATION('density',(#1),$);")), "");
+}
+
+TEST(RawStructure, FollowsLongChainsWithoutRecursion) {
+  std::string data;
+  for (int i = 1; i < 300000; ++i) data += "#" + std::to_string(i) + "=OFFSET_CURVE(#" + std::to_string(i + 1) + ");\n";
+  EXPECT_EQ(complaint(file_of(data)), "");
+}
+
+TEST(RawStructure, SaysWhatIsNoStepFile) {
+  EXPECT_THAT(complaint("solid cube\nfacet normal 0 0 1\n"), HasSubstr("not a STEP file"));
+  EXPECT_THAT(complaint(""), HasSubstr("not a STEP file"));
+  EXPECT_THAT(complaint("ISO-10303-21;\nHEADER;\nENDSEC;\nDATA;\n#1=A();\n"), HasSubstr("ends in the middle"));
+  EXPECT_THAT(complaint("ISO-10303-21;\nDATA;\n#1=A('x',#2 ENDSEC;\nEND-ISO-10303-21;\n"), HasSubstr("line 3"));
+  EXPECT_THAT(complaint(file_of("")), HasSubstr("no entity"));
+  EXPECT_EQ(complaint("/* made by hand */\n" + file_of("#1=A();")), "");
+}
+
+std::string diagnosis(const std::string& data) {
+  const std::string text = file_of(data);
+  try {
+    throw_nothing_readable(Part21(text), "part.step", {});
+  } catch (const InputError& error) {
+    return std::string(error.what()) + " (" + error.where() + ")";
+  }
+}
+
+TEST(RawStructure, SaysWhatAFileHoldsInsteadOfSolids) {
+  EXPECT_THAT(diagnosis("#7=TESSELLATED_SOLID('',(),$);"), HasSubstr("tessellated"));
+  EXPECT_THAT(diagnosis("#7=TESSELLATED_SOLID('',(),$);"), HasSubstr("#7"));
+  EXPECT_THAT(diagnosis("#7=OPERATION_SEQUENCE('',());"), HasSubstr("construction history"));
+  EXPECT_THAT(diagnosis("#7=DOCUMENT_FILE('../../etc/passwd','','',$,'',$);"), HasSubstr("../../etc/passwd"));
+  EXPECT_THAT(diagnosis("#7=MANIFOLD_SOLID_BREP('',#8);"), HasSubstr("without product structure and units"));
+  EXPECT_THAT(diagnosis("#7=CARTESIAN_POINT('',(0.,0.,0.));"), HasSubstr("CARTESIAN_POINT"));
+}
+
+}  // namespace
+}  // namespace lamella::step
