@@ -22,8 +22,9 @@ SplineSurface rim() {
   return height_patch(kGround, 2, [](double x, double y) { return 15 - 0.0016 * x * x + 2.4 * std::sin(y / 20); });
 }
 SplineSurface lid_top() {
-  return height_patch(
-      kGround, 3, [](double x, double y) { return 28.5 - 0.004 * x * x - 0.003 * y * y + 1.5 * std::sin((x + y) / 15); });
+  return height_patch(kGround, 3, [](double x, double y) {
+    return 28.5 - 0.004 * x * x - 0.003 * y * y + 1.5 * std::sin((x + y) / 15);
+  });
 }
 
 Plan outer() { return squircle({0, 0, 42, 28, 11, 2.0, 0.7}); }

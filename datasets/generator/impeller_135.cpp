@@ -175,9 +175,11 @@ Terrace diffuser() {
   const auto low = height_patch(kGround, 2, [](double x, double y) { return -6.0 + 0.0006 * x * x - 0.0004 * y * y; });
   const auto high = height_patch(
       kGround, 2, [](double x, double y) { return 8.5 - 0.0022 * x * x + 0.0012 * y * y + 0.03 * x + 0.02 * y; });
+  // Holes in the middle of two petals: nine petals, so a valley faces each.
+  const double petal = kPi / kBlades, opposite = petal + 8 * kPi / kBlades;
   return slab(petals(), low, high,
-              {circle_plan(0, 0, 36.5), circle_plan(41.5 * std::cos(0.35), 41.5 * std::sin(0.35), 1.6),
-               circle_plan(41.5 * std::cos(0.35 + kPi), 41.5 * std::sin(0.35 + kPi), 1.6)});
+              {circle_plan(0, 0, 36.5), circle_plan(41.5 * std::cos(petal), 41.5 * std::sin(petal), 1.6),
+               circle_plan(41.5 * std::cos(opposite), 41.5 * std::sin(opposite), 1.6)});
 }
 
 }  // namespace
