@@ -1,7 +1,7 @@
 #pragma once
 
-#include "export/xml_stream.h"
 #include "core/xml_writer.h"
+#include "export/xml_stream.h"
 #include "slicing/layer_sink.h"
 
 /// The parts of schemas/slices.xsd around the layers, each written and read: <header> and <report>.
