@@ -46,6 +46,11 @@ double step_of(const Curve3& curve) {
 /// and rational surfaces.
 int spline_nodes(int degree) { return std::max(8, (3 * degree + 1) / 2); }
 
+int nodes_of(const Curve3& curve) {
+  const auto* spline = std::get_if<BSplineCurve<3>>(&curve);
+  return std::max(kAnalyticNodes, spline == nullptr ? 0 : spline_nodes(spline->degree));
+}
+
 int panel_count(double length, double step) {
   if (!(step > 0.0) || !std::isfinite(length)) return 1;
   return static_cast<int>(std::clamp(std::ceil(length / step - 1e-9), 1.0, 256.0));
@@ -158,21 +163,24 @@ FaceQuadrature::FaceQuadrature(const Scene& scene, FaceId face) : face_(scene.fa
     border_.clear();
     bounds_ = Box2(Vec2::Zero(), Vec2::Zero());
   }
+  set_nodes();
   set_panels();
   split_border();
 }
 
-void FaceQuadrature::set_panels() {
-  const auto set_knots = [&](int axis, const std::vector<double>* knots) {
-    if (knots == nullptr) return;
-    (axis == 0 ? knots_u_ : knots_v_) = inner_knots(*knots, bounds_.min()[axis], bounds_.max()[axis]);
-  };
-  const auto set_spline = [&](const BSplineSurface& s) {
-    set_knots(0, &s.knots_u);
-    set_knots(1, &s.knots_v);
-    inner_nodes_ = spline_nodes(s.degree_v);
-    outer_nodes_ = std::max(spline_nodes(s.degree_u), kAnalyticNodes);
-  };
+void FaceQuadrature::set_spline(const BSplineSurface& surface) {
+  set_knots(0, &surface.knots_u);
+  set_knots(1, &surface.knots_v);
+  inner_nodes_ = spline_nodes(surface.degree_v);
+  outer_nodes_ = std::max(spline_nodes(surface.degree_u), kAnalyticNodes);
+}
+
+void FaceQuadrature::set_knots(int axis, const std::vector<double>* knots) {
+  if (knots == nullptr) return;
+  (axis == 0 ? knots_u_ : knots_v_) = inner_knots(*knots, bounds_.min()[axis], bounds_.max()[axis]);
+}
+
+void FaceQuadrature::set_nodes() {
   inner_nodes_ = outer_nodes_ = kAnalyticNodes;
   std::visit(
       [&](const auto& s) {
@@ -188,13 +196,11 @@ void FaceQuadrature::set_panels() {
           set_knots(0, knots_of(s.basis));
           step_.x() = step_of(s.basis);
           inner_nodes_ = 2;
-          if (const auto* c = std::get_if<BSplineCurve<3>>(&s.basis))
-            outer_nodes_ = std::max(10, spline_nodes(c->degree));
+          outer_nodes_ = nodes_of(s.basis);
         } else if constexpr (std::is_same_v<T, Revolution>) {
           set_knots(1, knots_of(s.meridian));
           step_ = Vec2(kQuarterTurn, step_of(s.meridian));
-          if (const auto* c = std::get_if<BSplineCurve<3>>(&s.meridian))
-            inner_nodes_ = std::max(10, spline_nodes(c->degree));
+          inner_nodes_ = nodes_of(s.meridian);
         } else if constexpr (std::is_same_v<T, BSplineSurface>) {
           set_spline(s);
         } else {
@@ -202,6 +208,9 @@ void FaceQuadrature::set_panels() {
         }
       },
       face_.surface);
+}
+
+void FaceQuadrature::set_panels() {
   panels_v_ = {bounds_.min().y()};
   panels_v_.insert(panels_v_.end(), knots_v_.begin(), knots_v_.end());
   const double length = bounds_.sizes().y();

@@ -52,6 +52,9 @@ class FaceQuadrature {
     Interval s;  ///< in the piece's own [0, 1]
   };
 
+  void set_nodes();
+  void set_spline(const BSplineSurface& surface);
+  void set_knots(int axis, const std::vector<double>* knots);
   void set_panels();
   void split_border();
   [[nodiscard]] std::vector<double> crossings(const BezierCurve2& piece) const;
