@@ -149,23 +149,55 @@ void measure_overlaps(std::vector<Span>& spans, const CombineRules& rules, Combi
   collect_pairs(out.overlaps);
 }
 
-void label(std::span<const Span> spans, const CombineRules& rules, CombinedRow& out) {
+/// Collects what is found along the row.
+class Labeller {
+ public:
+  Labeller(const CombineRules& rules, CombinedRow& out) : rules_(rules), out_(out) {}
+
+  void add_run(double begin, double end, SolidId solid) {
+    append(out_.segments, begin, end, rules_.table->assignments[solid].material, solid);
+  }
+
+  /// Fills the uncovered stretch between two spans if it is a gap between two solids that touch.
+  void add_gap(double begin, double end, const Span& left, const Span& right) {
+    // A slot within one solid is a feature, not a gap between two.
+    if (left.solid == right.solid || !(end - begin <= gap_tolerance(left, right, rules_))) return;
+    add_run(begin, end, rules_.rank[left.solid] > rules_.rank[right.solid] ? left.solid : right.solid);
+    add_pair(out_.gaps, left.solid, right.solid, end - begin);
+  }
+
+ private:
+  const CombineRules& rules_;
+  CombinedRow& out_;
+};
+
+/// Whether the spans ascend and no two share a point: nearly all rows of most assemblies.
+bool are_disjoint(std::span<const Span> spans) {
+  for (std::size_t i = 1; i < spans.size(); ++i) {
+    if (!(spans[i - 1].end <= spans[i].begin)) return false;
+  }
+  return true;
+}
+
+void label_disjoint(std::span<const Span> spans, Labeller& labeller) {
+  for (std::size_t i = 0; i < spans.size(); ++i) {
+    if (i > 0 && spans[i - 1].end < spans[i].begin) {
+      labeller.add_gap(spans[i - 1].end, spans[i].begin, spans[i - 1], spans[i]);
+    }
+    labeller.add_run(spans[i].begin, spans[i].end, spans[i].solid);
+  }
+}
+
+void label_by_rank(std::span<const Span> spans, const CombineRules& rules, Labeller& labeller) {
   RowSweep sweep(spans, rules);
   const auto by_rank = [&](std::uint32_t a, std::uint32_t b) { return sweep.rank(a) < sweep.rank(b); };
-  const auto emit = [&](double begin, double end, SolidId solid) {
-    append(out.segments, begin, end, rules.table->assignments[solid].material, solid);
-  };
   sweep.run(
       [&](double begin, double end, std::span<const std::uint32_t> active) {
-        emit(begin, end, spans[*std::max_element(active.begin(), active.end(), by_rank)].solid);
+        labeller.add_run(begin, end, spans[*std::max_element(active.begin(), active.end(), by_rank)].solid);
       },
       [&](double begin, double end, const Span& left, const Span& right) {
-        // A slot within one solid is a feature, not a gap between two.
-        if (left.solid == right.solid || !(end - begin <= gap_tolerance(left, right, rules))) return;
-        emit(begin, end, rules.rank[left.solid] > rules.rank[right.solid] ? left.solid : right.solid);
-        add_pair(out.gaps, left.solid, right.solid, end - begin);
+        labeller.add_gap(begin, end, left, right);
       });
-  collect_pairs(out.gaps);
 }
 
 /// Comparisons are written so that NaN fails.
@@ -212,7 +244,13 @@ void combine_row(std::span<const Span> spans, const CombineRules& rules, Combine
     apply_interface_policy(usable, rules);
     std::erase_if(usable, [](const Span& span) { return !is_usable(span); });
   }
-  label(usable, rules, out);
+  Labeller labeller(rules, out);
+  if (are_disjoint(usable)) {
+    label_disjoint(usable, labeller);
+  } else {
+    label_by_rank(usable, rules, labeller);
+  }
+  collect_pairs(out.gaps);
 }
 
 }  // namespace lamella

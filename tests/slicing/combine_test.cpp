@@ -120,6 +120,21 @@ TEST(CombineRow, GivesSmallGapsToTheHigherRankAndMeasuresThem) {
   EXPECT_EQ(out.gaps, (std::vector{PairLength{a, b, 0.0078125}}));
 }
 
+TEST(CombineRow, FillsAGapInARowThatHasOverlapsElsewhere) {
+  Row row;
+  row.rules.gap_tolerance = 0.01;
+  const SolidId a = row.add_solid(0, 3, 0);
+  const SolidId b = row.add_solid(1, 1, 0);
+  const SolidId c = row.add_solid(2, 2, 0);
+  row.add_span(a, 0, 1);
+  row.add_span(b, 1.0078125, 2);
+  row.add_span(c, 1.5, 3);
+  const CombinedRow out = row.combine();
+  EXPECT_EQ(out.segments,
+            (std::vector{segment(0, 1.0078125, 0, a), segment(1.0078125, 1.5, 1, b), segment(1.5, 3, 2, c)}));
+  EXPECT_EQ(out.gaps, (std::vector{PairLength{a, b, 0.0078125}}));
+}
+
 TEST(CombineRow, KeepsASmallSlotWithinOneSolid) {
   Row row;
   row.rules.gap_tolerance = 0.01;
