@@ -4,7 +4,9 @@
 
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -78,6 +80,10 @@ void study(const std::filesystem::path& file, int rows, int layers, const Refere
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc < 4) {
+    std::fprintf(stderr, "usage: grid_study ROWS LAYERS [--solver certified|bisection|newton] FILE...\n");
+    return 1;
+  }
   ReferenceOptions options;
   const int rows = std::stoi(argv[1]);
   const int layers = std::stoi(argv[2]);

@@ -39,12 +39,6 @@ struct Setting {
   double subdivision;
 };
 
-/// One certified hit and how far from it another solver's may lie.
-struct Expected {
-  Hit hit;
-  double reach;
-};
-
 struct Sample {
   SolidId solid;
   Ray ray;
