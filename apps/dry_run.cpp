@@ -16,8 +16,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t kFewLayers = 4;
-constexpr std::size_t kManyLayers = 32;
+constexpr std::size_t kBlocks = 3;
+constexpr std::size_t kFewLayers = 2;  // of each block
+constexpr std::size_t kManyLayers = 12;
 constexpr double kPatience = 1.0;  // s; when a few layers take less, more of them say more
 
 /// A VDB is held in memory until its end, its leaves uncompressed; measured on the shipped data sets.
@@ -47,14 +48,14 @@ class ScratchFolder {
   fs::path path_;
 };
 
-/// `count` layers of the plan, evenly spread.
-LayerPlan sample_plan(const LayerPlan& plan, std::size_t count) {
-  LayerPlan sample = plan;
-  sample.layers.clear();
-  for (std::size_t i = 0; i < count; ++i)
-    sample.layers.push_back(plan.layers[(2 * i + 1) * plan.layers.size() / (2 * count)]);
-  sample.grid.size[2] = static_cast<std::int64_t>(count);
-  return sample;
+/// Layers [first, first + count) as a plan of their own; neighbours, because a VDB takes nothing else.
+LayerPlan block_plan(const LayerPlan& plan, std::size_t first, std::size_t count) {
+  LayerPlan block = plan;
+  const auto begin = plan.layers.begin() + static_cast<std::ptrdiff_t>(first);
+  block.layers.assign(begin, begin + static_cast<std::ptrdiff_t>(count));
+  block.grid.origin.z() = block.layers.front().z_bottom;
+  block.grid.size[2] = static_cast<std::int64_t>(count);
+  return block;
 }
 
 double bytes_in(const fs::path& path) {
@@ -63,27 +64,43 @@ double bytes_in(const fs::path& path) {
   return bytes;
 }
 
-Estimate run_sample(const Session& session, const SliceRequest& request, const Assembly& assembly,
-                    const LayerPlan& plan, const CastFunction& cast, std::size_t count) {
+/// Runs one block and adds what it took.
+void run_block(const Session& session, const SliceRequest& request, const Assembly& assembly, const LayerPlan& block,
+               const CastFunction& cast, Estimate& sum) {
   const ScratchFolder scratch;
   TeeSink tee;
-  Estimate estimate;
+  std::vector<fs::path> places;
   for (const Output& output : request.outputs) {
-    const Output stand_in{output.format, scratch.path() / (output.format + ".out")};
-    tee.add(make_sink(stand_in, request.format));
-    estimate.outputs.push_back({stand_in, 0.0});
+    places.push_back(scratch.path() / (output.format + ".out"));
+    tee.add(make_sink({output.format, places.back()}, request.format));
   }
   const Stopwatch watch;
-  (void)slice_with(cast, assembly.scene, assembly.table, assembly.measures, sample_plan(plan, count), request.slice,
-                   tee, session.progress());
-  const double scale = static_cast<double>(plan.layers.size()) / static_cast<double>(count);
-  estimate.sampled_layers = count;
-  estimate.seconds = watch.seconds() * scale;
+  (void)slice_with(cast, assembly.scene, assembly.table, assembly.measures, block, request.slice, tee,
+                   session.progress());
+  sum.seconds += watch.seconds();
+  sum.sampled_layers += block.layers.size();
+  for (std::size_t i = 0; i < places.size(); ++i) sum.outputs[i].bytes += bytes_in(places[i]);
+}
+
+/// Blocks of up to `count` layers around 1/6, 1/2 and 5/6 of the height, or all layers when they are that few.
+Estimate run_sample(const Session& session, const SliceRequest& request, const Assembly& assembly,
+                    const LayerPlan& plan, const CastFunction& cast, std::size_t count) {
+  Estimate estimate;
+  for (const Output& output : request.outputs) estimate.outputs.push_back({output, 0.0});
+  const std::size_t layers = plan.layers.size();
+  if (layers <= kBlocks * count) {
+    run_block(session, request, assembly, plan, cast, estimate);
+  } else {
+    for (std::size_t b = 0; b < kBlocks; ++b) {
+      const std::size_t first = (2 * b + 1) * layers / (2 * kBlocks) - count / 2;
+      run_block(session, request, assembly, block_plan(plan, first, count), cast, estimate);
+    }
+  }
+  const double scale = static_cast<double>(layers) / static_cast<double>(estimate.sampled_layers);
+  estimate.seconds *= scale;
   estimate.memory_bytes = static_cast<double>(peak_memory());
-  for (std::size_t i = 0; i < request.outputs.size(); ++i) {
-    Estimate::Bytes& entry = estimate.outputs[i];
-    entry.bytes = bytes_in(entry.output.path) * scale;
-    entry.output = request.outputs[i];
+  for (Estimate::Bytes& entry : estimate.outputs) {
+    entry.bytes *= scale;
     if (entry.output.format == "vdb") estimate.memory_bytes += kVdbMemoryPerByte * entry.bytes;
   }
   return estimate;
@@ -93,12 +110,10 @@ Estimate run_sample(const Session& session, const SliceRequest& request, const A
 
 Estimate estimate_run(const Session& session, const SliceRequest& request, const Assembly& assembly,
                       const LayerPlan& plan, const CastFunction& cast) {
-  const std::size_t few = std::min(kFewLayers, plan.layers.size());
   const Stopwatch watch;
-  const Estimate first = run_sample(session, request, assembly, plan, cast, few);
-  const std::size_t many = std::min(kManyLayers, plan.layers.size());
-  if (watch.seconds() > kPatience || many == few) return first;
-  return run_sample(session, request, assembly, plan, cast, many);
+  Estimate first = run_sample(session, request, assembly, plan, cast, kFewLayers);
+  if (watch.seconds() > kPatience || first.sampled_layers == plan.layers.size()) return first;
+  return run_sample(session, request, assembly, plan, cast, kManyLayers);
 }
 
 Json estimate_json(const Estimate& estimate, const LayerPlan& plan) {

@@ -21,7 +21,7 @@ struct Estimate {
   std::vector<Bytes> outputs;
 };
 
-/// Slices evenly spread sample layers with `cast`, writes every output of the request beside them, and scales up.
+/// Slices evenly spread blocks of layers with `cast`, writes every output of the request beside them, and scales up.
 /// Leaves nothing behind.
 [[nodiscard]] Estimate estimate_run(const Session& session, const SliceRequest& request, const Assembly& assembly,
                                     const LayerPlan& plan, const CastFunction& cast);

@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <exception>
 #include <new>
 #include <string_view>
@@ -80,6 +81,7 @@ bool wants_json(int argc, char** argv) {
 int run_to_the_end(int argc, char** argv) {
   Terminal terminal;
   CommonOptions common;
+  common.arguments.assign(argv + std::min(argc, 1), argv + argc);
   ExitCode code = ExitCode::ok;
   try {
     code = run(argc, argv, terminal, common);

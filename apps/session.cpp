@@ -26,6 +26,7 @@ Session::Session(const CommonOptions& options, Terminal& terminal)
     : json_(options.json),
       threads_(options.threads.empty() ? 0
                                        : static_cast<int>(parse_whole("--threads", options.threads, 1, kMaxThreads))),
+      arguments_(options.arguments),
       terminal_(terminal),
       progress_([&terminal](std::string_view stage, double fraction) { terminal.report(stage, fraction); },
                 &cancel_flag()) {

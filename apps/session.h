@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "apps/json.h"
 #include "apps/terminal.h"
@@ -14,7 +15,8 @@ namespace lamella::apps {
 struct CommonOptions {
   bool json = false;
   bool quiet = false;
-  std::string threads;  ///< as given; empty for all cores
+  std::string threads;                 ///< as given; empty for all cores
+  std::vector<std::string> arguments;  ///< the whole command line behind the program's name
 };
 
 /// What a verb needs of the program around it: where to print, how to report progress, when to stop.
@@ -25,6 +27,8 @@ class Session {
 
   [[nodiscard]] bool json() const { return json_; }
   [[nodiscard]] int threads() const { return threads_; }
+  /// The command line, for the record.
+  [[nodiscard]] const std::vector<std::string>& arguments() const { return arguments_; }
   [[nodiscard]] const Progress& progress() const { return progress_; }
   [[nodiscard]] Terminal& terminal() const { return terminal_; }
 
@@ -38,6 +42,7 @@ class Session {
  private:
   bool json_;
   int threads_;
+  std::vector<std::string> arguments_;
   Terminal& terminal_;
   Progress progress_;
 };

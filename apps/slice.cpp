@@ -71,7 +71,7 @@ void check_request(const SliceRequest& request) {
 void write_run_file(const Session& session, const SliceRequest& request, const Timing& timing, ExitCode code) {
   const Json run{{"program", "lamella"},
                  {"version", LAMELLA_VERSION},
-                 {"arguments", request.arguments},
+                 {"arguments", session.arguments()},
                  {"threads", session.threads()},
                  {"exit_code", static_cast<int>(code)},
                  {"timing", timing_json(timing)},

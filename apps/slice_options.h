@@ -23,7 +23,6 @@ struct SliceRequest {
   OverlapPolicy policy = OverlapPolicy::priority;
   SliceOptions slice;
   bool dry_run = false;
-  std::vector<std::string> arguments;  ///< the command line, for run.json
 };
 
 /// Adds the options of the verb but for the files.
