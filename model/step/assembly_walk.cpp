@@ -18,6 +18,7 @@
 #include <XCAFDoc_Material.hxx>
 #include <XCAFDoc_MaterialTool.hxx>
 #include <XCAFDoc_ShapeTool.hxx>
+#include <cmath>
 #include <map>
 
 #include "model/step/text.h"
@@ -137,6 +138,9 @@ std::optional<Color> AssemblyWalk::color_of(const TDF_Label& label) const {
     if (!colors_->GetColor(label, type, color)) continue;
     Color rgb{};
     color.Values(rgb[0], rgb[1], rgb[2], Quantity_TOC_sRGB);
+    // The import keeps single precision; steps of 1/65535 hold every 8-bit and 16-bit colour exactly.
+    constexpr double kSteps = 65535.0;
+    for (double& channel : rgb) channel = std::round(channel * kSteps) / kSteps;
     return rgb;
   }
   return std::nullopt;

@@ -47,6 +47,7 @@ const Value& Part::operator[](std::size_t i) const {
 Part21::Part21(std::string_view text, const Progress& progress) : text_(text) { index(progress); }
 
 void Part21::add_fault(int line, int entity, std::string what) {
+  ++fault_count_;
   if (faults_.size() < kMaxFaults) faults_.push_back({line, entity, std::move(what)});
 }
 
@@ -62,7 +63,9 @@ void Part21::index(const Progress& progress) {
     const std::string_view words = text_.substr(statement.begin, statement.end - statement.begin);
     if (!seen_any_) recognised_ = words == "ISO-10303-21";
     seen_any_ = true;
+    const std::size_t before = fault_count_;
     index_statement(statement.begin, statement.end, statement.line);
+    if (fault_count_ > before) damaged_.emplace_back(statement.begin, statement.end + 1);
     if (statement.end >= next_report) {
       progress.throw_if_cancelled();
       progress.report("reading", 0.3 * static_cast<double>(statement.end) / static_cast<double>(text_.size()));
@@ -115,6 +118,13 @@ void Part21::index_entity(std::string_view statement, std::size_t begin, int lin
   if (scan.fault != nullptr) return add_fault(line, number, scan.fault);
   if (!Parser(statement.substr(i)).parts().empty() || unreadable_.entity != 0) return;
   unreadable_ = {line, number, "an attribute is no value: a number that is malformed, infinite or none?"};
+}
+
+void Part21::blank_faults(std::string& text) const {
+  for (const auto& [begin, end] : damaged_) {
+    const auto stop = static_cast<std::ptrdiff_t>(std::min(text.find(';', end - 1) + 1, text.size()));
+    std::fill(text.begin() + static_cast<std::ptrdiff_t>(begin), text.begin() + stop, ' ');
+  }
 }
 
 const Entity* Part21::find(int number) const {

@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "core/progress.h"
@@ -78,6 +79,9 @@ class Part21 {
   [[nodiscard]] const std::string& schema() const { return schema_; }
   /// At most 50, in the file's order.
   [[nodiscard]] const std::vector<SyntaxFault>& faults() const { return faults_; }
+  /// Overwrites the statements that have faults with spaces in `text`, the text this was made of: the import's own
+  /// recovery from them is not to be trusted. Their entities then have no parts.
+  void blank_faults(std::string& text) const;
   /// The first entity in sound brackets that holds something which is no value (NAN, 1.E400, --3.); number 0 if none.
   [[nodiscard]] const SyntaxFault& unreadable() const { return unreadable_; }
   /// Whether the text begins as a STEP file does.
@@ -98,6 +102,8 @@ class Part21 {
   std::unordered_map<int, std::uint32_t> by_number_;
   std::unordered_map<std::string, std::vector<std::uint32_t>> by_keyword_;
   std::vector<SyntaxFault> faults_;
+  std::size_t fault_count_ = 0;
+  std::vector<std::pair<std::size_t, std::size_t>> damaged_;  ///< begin and end of statements with faults
   SyntaxFault unreadable_;
   std::string schema_;
   bool seen_any_ = false;

@@ -12,12 +12,25 @@ bool is_word(char c) {
 }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
+/// Index after the string whose opening quote is at `i`; npos when it doesn't end. A quote closes the string only where
+/// what follows may follow a string: some exporters leave quotes inside undoubled.
+std::size_t after_string(std::string_view text, std::size_t i) {
+  while (true) {
+    i = text.find('\'', i + 1);
+    if (i == std::string_view::npos) return i;
+    if (i + 1 < text.size() && text[i + 1] == '\'') {
+      ++i;
+      continue;
+    }
+    const std::size_t next = text.find_first_not_of(" \t\r\n", i + 1);
+    if (next == std::string_view::npos || std::string_view(",);/").find(text[next]) != std::string_view::npos)
+      return i + 1;
+  }
+}
+
 /// Index after the comment or string that begins at `i`; npos when it doesn't end. `i` itself if none begins there.
 std::size_t after_quoted(std::string_view text, std::size_t i) {
-  if (text[i] == '\'') {
-    const std::size_t end = text.find('\'', i + 1);
-    return end == std::string_view::npos ? end : end + 1;  // a doubled quote is two strings side by side
-  }
+  if (text[i] == '\'') return after_string(text, i);
   if (text[i] == '/' && i + 1 < text.size() && text[i + 1] == '*') {
     const std::size_t end = text.find("*/", i + 2);
     return end == std::string_view::npos ? end : end + 2;
@@ -55,14 +68,12 @@ bool Scanner::skip_comment() {
 }
 
 bool Scanner::skip_string() {
-  ++at_;
-  while (at_ < text_.size() && text_[at_] != '\'') {
+  const std::size_t end = after_string(text_, at_);
+  const std::size_t stop = end == std::string_view::npos ? text_.size() : end;
+  for (; at_ < stop; ++at_) {
     if (text_[at_] == '\n') ++line_;
-    ++at_;
   }
-  if (at_ == text_.size()) return false;
-  ++at_;
-  return true;
+  return end != std::string_view::npos;
 }
 
 Scanner::Statement Scanner::next() {
@@ -244,19 +255,13 @@ bool Parser::parse_number(Value& value) {
 
 bool Parser::parse_delimited(Value& value, Value::Kind kind, char delimiter) {
   value.kind = kind;
-  const std::size_t first = ++at_;
-  while (true) {
-    const std::size_t end = text_.find(delimiter, at_);
-    if (end == std::string_view::npos) return false;
-    at_ = end + 1;
-    const bool doubled = kind == Value::Kind::text && at_ < text_.size() && text_[at_] == delimiter;
-    if (doubled) {
-      ++at_;
-      continue;
-    }
-    value.text = text_.substr(first, end - first);
-    return true;
-  }
+  const std::size_t first = at_ + 1;
+  std::size_t end = kind == Value::Kind::text ? after_string(text_, at_) : text_.find(delimiter, first);
+  if (end == std::string_view::npos) return false;
+  if (kind != Value::Kind::text) ++end;
+  value.text = text_.substr(first, end - 1 - first);
+  at_ = end;
+  return true;
 }
 
 }  // namespace lamella::step

@@ -131,6 +131,27 @@ void require_acyclic(const Part21& file, const std::string& path, const Progress
   }
 }
 
+void require_sound_geometry(const Part21& file, const std::string& path, const std::vector<RefusedEntity>& refused) {
+  static constexpr std::array kPrimitives = {"VECTOR",     "LINE",      "CIRCLE",         "ELLIPSE",
+                                             "PARABOLA",   "HYPERBOLA", "PLANE",          "VERTEX_POINT",
+                                             "EDGE_CURVE", "DIRECTION", "CARTESIAN_POINT"};
+  static constexpr std::array kFamilies = {"_PLACEMENT_", "AXIS1_PLACEMENT", "_SURFACE",
+                                           "B_SPLINE",    "SURFACE_OF_",     "OFFSET_"};
+  for (const RefusedEntity& entity : refused) {
+    // A missing name does no harm.
+    if (entity.reason.find("quoted String") != std::string::npos) continue;
+    const std::string keyword = file.keyword_of(entity.number);
+    const auto in_family = [&keyword](const char* word) { return keyword.find(word) != std::string::npos; };
+    if (std::find(kPrimitives.begin(), kPrimitives.end(), keyword) == kPrimitives.end() &&
+        std::none_of(kFamilies.begin(), kFamilies.end(), in_family)) {
+      continue;
+    }
+    const Entity* place = file.find(entity.number);
+    throw InputError(label_of(entity.number) + " " + keyword + " can't be read: " + entity.reason,
+                     line_of(path, place == nullptr ? 0 : place->line), "the file is damaged; export it again");
+  }
+}
+
 void require_step_text(const Part21& file, const std::string& path) {
   if (!file.recognised()) {
     throw InputError("not a STEP file: it doesn't begin with ISO-10303-21", path, "give a .step or .stp file");

@@ -11,12 +11,17 @@ namespace lamella::step {
 /// end: the import recurses along them. Cycles elsewhere are harmless.
 void require_acyclic(const Part21& file, const std::string& path, const Progress& progress);
 
-/// Throws InputError that says why the file holds no shape at all: what it holds instead, or what is missing where.
-/// `refused` lists entities the import could not read, with its reasons.
+/// An entity whose attributes the import could not read, with its reason.
 struct RefusedEntity {
   int number = 0;
   std::string reason;
 };
+
+/// Throws InputError when a piece of geometry lacks what it is made of: the import would follow the missing reference.
+void require_sound_geometry(const Part21& file, const std::string& path, const std::vector<RefusedEntity>& refused);
+
+/// Throws InputError that says why the file holds no shape at all: what it holds instead, or what is missing where.
+/// `refused` lists entities the import could not read.
 [[noreturn]] void throw_nothing_readable(const Part21& file, const std::string& path,
                                          const std::vector<RefusedEntity>& refused);
 

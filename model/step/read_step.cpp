@@ -147,19 +147,21 @@ class Reader {
 };
 
 void Reader::read(const std::filesystem::path& path) {
-  const std::string bytes = read_bytes(path, options_);
+  std::string bytes = read_bytes(path, options_);
   const std::string name = path.string();
   const Part21 raw(bytes, progress_);
   step::require_step_text(raw, name);
   step::require_acyclic(raw, name, progress_);
   scene_.files.push_back(describe_file(path, bytes, raw, scene_.findings));
   report_syntax(raw, name, scene_.findings);
+  raw.blank_faults(bytes);
   const auto materials = step::materials(raw, scene_.findings);
 
   step::StepSession session(name, bytes, options_.heal, progress_);
+  const auto refused = step::refused_entities(session.model());
+  step::require_sound_geometry(raw, name, refused);
   session.transfer(progress_);
   const step::EntityIndex entities = session.entities();
-  const auto refused = step::refused_entities(session.model());
   step::Assembly assembly =
       step::walk_assembly(session.document(), entities, [&materials](int product) -> std::optional<step::StepMaterial> {
         const auto found = materials.find(product);

@@ -59,6 +59,14 @@ TEST(RawStructure, SaysWhatIsNoStepFile) {
   EXPECT_EQ(complaint("/* made by hand */\n" + file_of("#1=A();")), "");
 }
 
+TEST(RawStructure, RefusesGeometryThatLacksWhatItIsMadeOf) {
+  const std::string text = file_of("#1=LINE('',#2,#9);#2=CARTESIAN_POINT($,(0.,0.,0.));");
+  const Part21 file(text);
+  EXPECT_NO_THROW(require_sound_geometry(file, "part.step", {{2, "Parameter n0.1 (name) not a quoted String"}}));
+  EXPECT_THROW(require_sound_geometry(file, "part.step", {{1, "Parameter n0.3 (dir) : Entity has illegal type"}}),
+               InputError);
+}
+
 std::string diagnosis(const std::string& data) {
   const std::string text = file_of(data);
   try {
