@@ -15,7 +15,7 @@ std::string place_of(const Finding& finding) {
     if (!text.empty()) where.append(where.empty() ? "" : ", ").append(kind).append(text);
   };
   add("solid ", finding.solid);
-  add("face ", finding.face);
+  add("", finding.face);
   add("", finding.entity);
   return where;
 }

@@ -25,7 +25,7 @@ std::optional<Vec2> read_pitch(const CLI::App& verb) {
   const auto dpi = given(verb, "--dpi");
   if (pitch && dpi) throw UsageError("--pitch and --dpi exclude each other", {}, "give one of them");
   if (pitch) return parse_one_or_two("--pitch", *pitch);
-  if (dpi) return Vec2(kMmPerInch * parse_one_or_two("--dpi", *dpi).cwiseInverse());
+  if (dpi) return Vec2(Vec2::Constant(kMmPerInch).cwiseQuotient(parse_one_or_two("--dpi", *dpi)));
   return std::nullopt;
 }
 

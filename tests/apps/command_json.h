@@ -55,6 +55,15 @@ inline std::string write_open_boxes(const std::filesystem::path& path, bool ever
   return quoted(path);
 }
 
+/// The solids with a status, "ok" or "open" say.
+inline std::vector<Json> solids_with_status(const Json& report, const std::string& status) {
+  std::vector<Json> solids;
+  for (const Json& solid : report["solids"]) {
+    if (solid["status"] == status) solids.push_back(solid);
+  }
+  return solids;
+}
+
 /// The names of all files below a folder.
 inline std::vector<std::string> files_below(const std::filesystem::path& folder) {
   std::vector<std::string> names;

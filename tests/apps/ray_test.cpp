@@ -54,7 +54,7 @@ TEST(Ray, ManyRaysGiveOneObjectALineInOrder) {
   std::string from = middle(info);
   std::replace(from.begin(), from.end(), ',', ' ');
   write_text(folder / "rays.txt", from + " 1 0 0\n\n1e6 1e6 1e6 1 0 0\r\n  " + from + "\t0 1e-3 0 \n");
-  for (const std::string input : {quoted(folder / "rays.txt"), "- < " + quoted(folder / "rays.txt")}) {
+  for (const std::string& input : {quoted(folder / "rays.txt"), "- < " + quoted(folder / "rays.txt")}) {
     const CommandResult result = run_lamella("ray " + boxes() + " --json --rays " + input);
     EXPECT_EQ(result.exit_code, 0) << result.errors;
     std::istringstream lines(result.output);
