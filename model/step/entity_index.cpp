@@ -11,6 +11,7 @@
 #include <TopExp_Explorer.hxx>
 #include <TransferBRep.hxx>
 #include <Transfer_Binder.hxx>
+#include <algorithm>
 #include <optional>
 
 #include "model/step/text.h"
@@ -30,7 +31,12 @@ std::optional<TopAbs_ShapeEnum> kind_of(const Handle(Standard_Transient) & entit
 
 }  // namespace
 
-EntityIndex::EntityIndex(const Handle(StepData_StepModel) & model, const Handle(Transfer_TransientProcess) & process) {
+EntityIndex::EntityIndex(const Handle(StepData_StepModel) & model, const Handle(Transfer_TransientProcess) & process,
+                         const std::vector<Handle(Standard_Transient)>& mirrored_uses) {
+  for (const auto& use : mirrored_uses) {
+    const Handle(Transfer_Binder) binder = process->Find(use);
+    if (!binder.IsNull()) mirrored_.push_back(TransferBRep::ShapeResult(binder));
+  }
   for (int i = 1; i <= process->NbMapped(); ++i) {
     const Handle(Standard_Transient) entity = process->Mapped(i);
     const Handle(Transfer_Binder) binder = process->MapItem(i);
@@ -55,6 +61,11 @@ void EntityIndex::add_item(const TopoDS_Shape& result, TopAbs_ShapeEnum kind, co
 EntityRef EntityIndex::item(const TopoDS_Shape& shape) const {
   const auto found = items_.find(key(shape));
   return found == items_.end() ? EntityRef{} : found->second;
+}
+
+std::size_t EntityIndex::mirrored(const TopoDS_Shape& instance) const {
+  return static_cast<std::size_t>(std::count_if(mirrored_.begin(), mirrored_.end(),
+                                                [&](const TopoDS_Shape& shape) { return shape.IsSame(instance); }));
 }
 
 int EntityIndex::product_definition(const TopoDS_Shape& shape) const {

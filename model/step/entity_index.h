@@ -5,6 +5,7 @@
 #include <Transfer_TransientProcess.hxx>
 #include <string>
 #include <unordered_map>
+#include <vector>
 
 #include "model/step/entity_label.h"
 
@@ -22,12 +23,16 @@ struct EntityRef {
 class EntityIndex {
  public:
   EntityIndex() = default;
-  EntityIndex(const Handle(StepData_StepModel) & model, const Handle(Transfer_TransientProcess) & process);
+  /// `mirrored_uses` as in placement_operator.h.
+  EntityIndex(const Handle(StepData_StepModel) & model, const Handle(Transfer_TransientProcess) & process,
+              const std::vector<Handle(Standard_Transient)>& mirrored_uses);
 
   /// Entity of a face, shell or solid; number 0 when unknown.
   [[nodiscard]] EntityRef item(const TopoDS_Shape& shape) const;
   /// Number of the PRODUCT_DEFINITION whose shape this is; 0 when unknown.
   [[nodiscard]] int product_definition(const TopoDS_Shape& shape) const;
+  /// How many instances of this shape at this place should be mirror images of it in their own y.
+  [[nodiscard]] std::size_t mirrored(const TopoDS_Shape& instance) const;
 
  private:
   using Key = const void*;
@@ -36,6 +41,7 @@ class EntityIndex {
 
   std::unordered_map<Key, EntityRef> items_;
   std::unordered_map<Key, int> products_;
+  std::vector<TopoDS_Shape> mirrored_;
 };
 
 }  // namespace lamella::step

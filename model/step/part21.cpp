@@ -109,13 +109,12 @@ void Part21::index_entity(std::string_view statement, std::size_t begin, int lin
   ++i;
   const std::size_t size = statement.size() - i;
   if (size > std::numeric_limits<std::uint32_t>::max()) return add_fault(line, number, "the entity is too long");
+  const KeywordScan scan = scan_keywords(statement.substr(i));
+  if (scan.fault != nullptr) return add_fault(line, number, scan.fault);
   const auto position = static_cast<std::uint32_t>(entities_.size());
   if (!by_number_.emplace(number, position).second) return add_fault(line, number, "the number is used twice");
   entities_.push_back({number, line, begin + i, static_cast<std::uint32_t>(size)});
-
-  const KeywordScan scan = scan_keywords(statement.substr(i));
   for (const std::string_view keyword : scan.keywords) by_keyword_[upper(keyword)].push_back(position);
-  if (scan.fault != nullptr) return add_fault(line, number, scan.fault);
   if (!Parser(statement.substr(i)).parts().empty() || unreadable_.entity != 0) return;
   unreadable_ = {line, number, "an attribute is no value: a number that is malformed, infinite or none?"};
 }
@@ -124,6 +123,16 @@ void Part21::blank_faults(std::string& text) const {
   for (const auto& [begin, end] : damaged_) {
     const auto stop = static_cast<std::ptrdiff_t>(std::min(text.find(';', end - 1) + 1, text.size()));
     std::fill(text.begin() + static_cast<std::ptrdiff_t>(begin), text.begin() + stop, ' ');
+  }
+}
+
+void Part21::blank_entity(std::string& text, int number) const {
+  const Entity* entity = find(number);
+  if (entity == nullptr) return;
+  const std::size_t hash = text.rfind('#', entity->begin);
+  const std::size_t end = text.find(';', entity->begin + entity->size);
+  for (std::size_t i = hash; i < std::min(end + 1, text.size()); ++i) {
+    if (text[i] != '\n') text[i] = ' ';
   }
 }
 

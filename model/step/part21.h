@@ -82,6 +82,8 @@ class Part21 {
   /// Overwrites the statements that have faults with spaces in `text`, the text this was made of: the import's own
   /// recovery from them is not to be trusted. Their entities then have no parts.
   void blank_faults(std::string& text) const;
+  /// Overwrites an entity with spaces in `text`, the text this was made of.
+  void blank_entity(std::string& text, int number) const;
   /// The first entity in sound brackets that holds something which is no value (NAN, 1.E400, --3.); number 0 if none.
   [[nodiscard]] const SyntaxFault& unreadable() const { return unreadable_; }
   /// Whether the text begins as a STEP file does.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <unordered_map>
 
 #include "core/error.h"
@@ -131,25 +132,60 @@ void require_acyclic(const Part21& file, const std::string& path, const Progress
   }
 }
 
-void require_sound_geometry(const Part21& file, const std::string& path, const std::vector<RefusedEntity>& refused) {
-  static constexpr std::array kPrimitives = {"VECTOR",     "LINE",      "CIRCLE",         "ELLIPSE",
-                                             "PARABOLA",   "HYPERBOLA", "PLANE",          "VERTEX_POINT",
-                                             "EDGE_CURVE", "DIRECTION", "CARTESIAN_POINT"};
-  static constexpr std::array kFamilies = {"_PLACEMENT_", "AXIS1_PLACEMENT", "_SURFACE",
-                                           "B_SPLINE",    "SURFACE_OF_",     "OFFSET_"};
+namespace {
+
+/// Whether the import takes it for granted that all such an entity refers to is there.
+bool is_piece_of_geometry(const std::string& keyword) {
+  static constexpr std::array kWhole = {"VECTOR",          "LINE",
+                                        "CIRCLE",          "ELLIPSE",
+                                        "PARABOLA",        "HYPERBOLA",
+                                        "PLANE",           "DIRECTION",
+                                        "VERTEX_POINT",    "VERTEX_LOOP",
+                                        "CARTESIAN_POINT", "EDGE_CURVE",
+                                        "FACE_BOUND",      "FACE_OUTER_BOUND",
+                                        "ORIENTED_EDGE",   "ORIENTED_FACE",
+                                        "BREP_WITH_VOIDS", "MANIFOLD_SOLID_BREP",
+                                        "FACETED_BREP",    "ORIENTED_CLOSED_SHELL",
+                                        "ADVANCED_FACE",   "FACE_SURFACE",
+                                        "EDGE_LOOP",       "SURFACE_CURVE",
+                                        "SEAM_CURVE",      "INTERSECTION_CURVE",
+                                        "TRIMMED_CURVE",   "COMPOSITE_CURVE",
+                                        "PCURVE"};
+  static constexpr std::array kFamilies = {"AXIS1_PLACEMENT", "AXIS2_PLACEMENT", "_SURFACE",
+                                           "B_SPLINE",        "SURFACE_OF_",     "OFFSET_"};
+  return std::find(kWhole.begin(), kWhole.end(), keyword) != kWhole.end() ||
+         std::any_of(kFamilies.begin(), kFamilies.end(),
+                     [&keyword](const char* word) { return keyword.find(word) != std::string::npos; });
+}
+
+}  // namespace
+
+std::vector<RefusedEntity> broken_geometry(const Part21& file, const std::vector<RefusedEntity>& refused) {
+  std::map<int, std::string> broken;
+  std::vector<const Entity*> pieces;
+  for (const Entity& entity : file.entities()) {
+    if (is_piece_of_geometry(file.keyword_of(entity.number))) pieces.push_back(&entity);
+  }
   for (const RefusedEntity& entity : refused) {
     // A missing name does no harm.
-    if (entity.reason.find("quoted String") != std::string::npos) continue;
-    const std::string keyword = file.keyword_of(entity.number);
-    const auto in_family = [&keyword](const char* word) { return keyword.find(word) != std::string::npos; };
-    if (std::find(kPrimitives.begin(), kPrimitives.end(), keyword) == kPrimitives.end() &&
-        std::none_of(kFamilies.begin(), kFamilies.end(), in_family)) {
-      continue;
-    }
-    const Entity* place = file.find(entity.number);
-    throw InputError(label_of(entity.number) + " " + keyword + " can't be read: " + entity.reason,
-                     line_of(path, place == nullptr ? 0 : place->line), "the file is damaged; export it again");
+    const bool harmless = entity.reason.find("quoted String") != std::string::npos;
+    if (!harmless && is_piece_of_geometry(file.keyword_of(entity.number))) broken.emplace(entity.number, entity.reason);
   }
+  for (bool grown = true; grown;) {
+    grown = false;
+    for (const Entity* piece : pieces) {
+      if (broken.contains(piece->number)) continue;
+      for (const int needed : file.references(*piece)) {
+        if (file.find(needed) != nullptr && !broken.contains(needed)) continue;
+        broken.emplace(piece->number, "it needs " + label_of(needed) + ", which the file lacks");
+        grown = true;
+        break;
+      }
+    }
+  }
+  std::vector<RefusedEntity> result;
+  for (const auto& [number, reason] : broken) result.push_back({number, reason});
+  return result;
 }
 
 void require_step_text(const Part21& file, const std::string& path) {

@@ -17,8 +17,10 @@ struct RefusedEntity {
   std::string reason;
 };
 
-/// Throws InputError when a piece of geometry lacks what it is made of: the import would follow the missing reference.
-void require_sound_geometry(const Part21& file, const std::string& path, const std::vector<RefusedEntity>& refused);
+/// Geometry and topology below the shells that lacks what it is made of, and all that is built on it, up to the face or
+/// solid, in the file's order; `refused` may add causes. The import would follow the missing references and crash, but
+/// bears shells with missing faces: what is listed must be taken out of the text before shapes are made.
+[[nodiscard]] std::vector<RefusedEntity> broken_geometry(const Part21& file, const std::vector<RefusedEntity>& refused);
 
 /// Throws InputError that says why the file holds no shape at all: what it holds instead, or what is missing where.
 /// `refused` lists entities the import could not read.

@@ -138,6 +138,8 @@ void RawTopology::read_face(int solid, int number, bool turned, Uses& uses, int 
     static constexpr std::array kBounds = {"FACE_BOUND", "FACE_OUTER_BOUND"};
     const Attributes attributes_of_bound = attributes(file_, bound, kBounds);
     claim(bound, number);
+    if (attributes_of_bound.values.empty())
+      add_fault(solid, number, bound, true, "a bound of the face isn't in the file");
     read_loop(at(attributes_of_bound, 0).ref(), number, turned != !at(attributes_of_bound, 1).is_true(), uses);
   }
 }

@@ -2,6 +2,7 @@
 
 #include <fstream>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 
@@ -134,6 +135,13 @@ class Reader {
   Scene finish();
 
  private:
+  /// A text and what the import's reader made of it, with nothing in it that the import can't bear.
+  struct Source {
+    std::unique_ptr<Part21> raw;
+    std::unique_ptr<step::StepSession> session;
+    std::vector<step::RefusedEntity> refused;
+  };
+  Source read_source(std::string& bytes, const std::string& name);
   void convert(const step::Assembly& assembly, const step::EntityIndex& entities);
   void make_unique(std::string& path);
   void check_shapes(step::SolidReport& report, const step::Assembly& assembly, SolidId first,
@@ -156,10 +164,8 @@ void Reader::read(const std::filesystem::path& path) {
   report_syntax(raw, name, scene_.findings);
   raw.blank_faults(bytes);
   const auto materials = step::materials(raw, scene_.findings);
-
-  step::StepSession session(name, bytes, options_.heal, progress_);
-  const auto refused = step::refused_entities(session.model());
-  step::require_sound_geometry(raw, name, refused);
+  Source source = read_source(bytes, name);
+  step::StepSession& session = *source.session;
   session.transfer(progress_);
   const step::EntityIndex entities = session.entities();
   step::Assembly assembly =
@@ -167,20 +173,54 @@ void Reader::read(const std::filesystem::path& path) {
         const auto found = materials.find(product);
         return found == materials.end() ? std::nullopt : std::optional(found->second);
       });
-  if (assembly.solids.empty() && assembly.loose.empty()) step::throw_nothing_readable(raw, name, refused);
-  const step::RawTopology topology(raw, progress_);
+  if (assembly.solids.empty() && assembly.loose.empty()) step::throw_nothing_readable(raw, name, source.refused);
+  const step::RawTopology topology(*source.raw, progress_);
   keep_broken_solids(assembly, topology, scene_.findings);
   report_loose(assembly, scene_.findings);
   const SolidId first{scene_.solids.size()};
   convert(assembly, entities);
 
   step::SolidReport report(scene_, first, topology);
-  report.add_refused(refused);
+  report.add_refused(source.refused);
   report.add_remarks(step::transfer_remarks(session.model(), session.process()));
   report.add_lost_faces();
   check_shapes(report, assembly, first, entities);
   report.add_wide_tolerances();
   pending_.push_back({first, SolidId{scene_.solids.size()}, topology.faults()});
+}
+
+Reader::Source Reader::read_source(std::string& bytes, const std::string& name) {
+  constexpr int kRounds = 8;
+  constexpr std::size_t kNamed = 20;
+  std::vector<step::RefusedEntity> causes;
+  for (int round = 0; round < kRounds; ++round) {
+    Source source{std::make_unique<Part21>(bytes, progress_), nullptr, {}};
+    auto broken = step::broken_geometry(*source.raw, {});
+    if (broken.empty()) {
+      source.session = std::make_unique<step::StepSession>(name, bytes, options_.heal, progress_);
+      source.refused = step::refused_entities(source.session->model());
+      const bool bare = !source.raw->has("SHAPE_DEFINITION_REPRESENTATION");
+      if (bare && !source.refused.empty()) step::throw_nothing_readable(*source.raw, name, source.refused);
+      broken = step::broken_geometry(*source.raw, source.refused);
+      source.refused.insert(source.refused.end(), causes.begin(), causes.end());
+      if (broken.empty()) return source;
+    }
+    for (std::size_t i = 0; i < broken.size(); ++i) {
+      if (causes.size() + i < kNamed) {
+        scene_.findings.push_back({Severity::error,
+                                   {},
+                                   {},
+                                   step::label_of(broken[i].number),
+                                   source.raw->keyword_of(broken[i].number) + " can't be read: " + broken[i].reason,
+                                   "the file is damaged; export it again"});
+      }
+      source.raw->blank_entity(bytes, broken[i].number);
+    }
+    causes.insert(causes.end(), broken.begin(), broken.end());
+  }
+  throw InputError(
+      "the file is too damaged to be read: " + step::label_of(causes.front().number) + ": " + causes.front().reason,
+      name, "export it again");
 }
 
 void Reader::convert(const step::Assembly& assembly, const step::EntityIndex& entities) {

@@ -20,6 +20,7 @@
 #include <mutex>
 #include <streambuf>
 
+#include "model/step/placement_operator.h"
 #include "model/step/text.h"
 
 namespace lamella::step {
@@ -152,6 +153,7 @@ void StepSession::transfer(const Progress& progress) {
   try {
     const Handle(TransferProgress) indicator = new TransferProgress(progress);
     reader_.Transfer(document_, indicator->Start());
+    mirrored_uses_ = mirrored_uses(model(), process()->Graph(), name_);
   } catch (const Standard_Failure& failure) {
     progress.throw_if_cancelled();
     throw InputError(std::string("the STEP file's content can't be converted: ") + failure.GetMessageString(), name_);

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/progress.h"
 #include "model/step/entity_index.h"
@@ -39,12 +40,13 @@ class StepSession {
   [[nodiscard]] const Handle(TDocStd_Document) & document() const { return document_; }
   [[nodiscard]] Handle(StepData_StepModel) model() const;
   [[nodiscard]] Handle(Transfer_TransientProcess) process() const;
-  [[nodiscard]] EntityIndex entities() const { return {model(), process()}; }
+  [[nodiscard]] EntityIndex entities() const { return {model(), process(), mirrored_uses_}; }
 
  private:
   std::string name_;
   STEPCAFControl_Reader reader_;
   Handle(TDocStd_Document) document_;
+  std::vector<Handle(Standard_Transient)> mirrored_uses_;
 };
 
 }  // namespace lamella::step

@@ -59,12 +59,21 @@ TEST(RawStructure, SaysWhatIsNoStepFile) {
   EXPECT_EQ(complaint("/* made by hand */\n" + file_of("#1=A();")), "");
 }
 
-TEST(RawStructure, RefusesGeometryThatLacksWhatItIsMadeOf) {
-  const std::string text = file_of("#1=LINE('',#2,#9);#2=CARTESIAN_POINT($,(0.,0.,0.));");
+TEST(RawStructure, ListsGeometryThatLacksWhatItIsMadeOfUpToTheFace) {
+  const std::string text = file_of(
+      "#1=VERTEX_POINT('',#9);#2=EDGE_CURVE('',#1,#1,$,.T.);#3=ORIENTED_EDGE('',*,*,#2,.T.);#4=EDGE_LOOP('',(#3));"
+      "#5=FACE_BOUND('',#4,.T.);#6=ADVANCED_FACE('',(#5),#8,.T.);#7=CLOSED_SHELL('',(#6));#8=CARTESIAN_POINT($,(0.));");
   const Part21 file(text);
-  EXPECT_NO_THROW(require_sound_geometry(file, "part.step", {{2, "Parameter n0.1 (name) not a quoted String"}}));
-  EXPECT_THROW(require_sound_geometry(file, "part.step", {{1, "Parameter n0.3 (dir) : Entity has illegal type"}}),
-               InputError);
+  std::vector<int> numbers;
+  for (const RefusedEntity& entity : broken_geometry(file, {})) numbers.push_back(entity.number);
+  EXPECT_EQ(numbers, (std::vector<int>{1, 2, 3, 4, 5, 6})) << "a shell is borne without a face";
+}
+
+TEST(RawStructure, TakesTheImportsRefusalsForCausesButNotThoseOfNames) {
+  const std::string text = file_of("#1=LINE('',#2,#2);#2=CARTESIAN_POINT($,(0.,0.,0.));");
+  const Part21 file(text);
+  EXPECT_TRUE(broken_geometry(file, {{2, "Parameter n0.1 (name) not a quoted String"}}).empty());
+  EXPECT_EQ(broken_geometry(file, {{2, "Parameter n0.2 (coordinates) not a LIST"}}).size(), 2U) << "the line too";
 }
 
 std::string diagnosis(const std::string& data) {
