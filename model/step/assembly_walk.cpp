@@ -18,7 +18,6 @@
 #include <XCAFDoc_Material.hxx>
 #include <XCAFDoc_MaterialTool.hxx>
 #include <XCAFDoc_ShapeTool.hxx>
-#include <algorithm>
 #include <cmath>
 #include <gp.hxx>
 #include <gp_Ax2.hxx>
@@ -80,7 +79,6 @@ class AssemblyWalk {
 
  private:
   void visit_all(const TDF_LabelSequence& labels, const Inherited& from);
-  std::vector<bool> mirrored_among(const TDF_LabelSequence& labels) const;
   void visit(const TDF_Label& instance, const TDF_Label& part, Inherited from);
   void add_part(const TDF_Label& part, const Inherited& from);
   void add_loose(const TopoDS_Shape& shape, const std::string& fallback, const SolidInfo& common);
@@ -110,24 +108,7 @@ TopLoc_Location mirror_in_y() {
   return mirror;
 }
 
-/// Which of a parent's components are mirror images. Where the import has put a part and its mirror image at one place,
-/// they can't be told apart, nor need they be: the last ones are taken.
-std::vector<bool> AssemblyWalk::mirrored_among(const TDF_LabelSequence& labels) const {
-  std::vector<bool> mirrored(static_cast<std::size_t>(labels.Length()), false);
-  std::vector<TopoDS_Shape> taken;
-  for (int i = labels.Length(); i >= 1; --i) {
-    const TopoDS_Shape shape = XCAFDoc_ShapeTool::GetShape(labels.Value(i));
-    const auto before =
-        std::count_if(taken.begin(), taken.end(), [&](const TopoDS_Shape& other) { return other.IsSame(shape); });
-    if (shape.IsNull() || static_cast<std::size_t>(before) >= entities_.mirrored(shape)) continue;
-    mirrored[i - 1] = true;
-    taken.push_back(shape);
-  }
-  return mirrored;
-}
-
 void AssemblyWalk::visit_all(const TDF_LabelSequence& labels, const Inherited& from) {
-  const std::vector<bool> mirrored = mirrored_among(labels);
   std::vector<std::string> names;
   for (const TDF_Label& label : labels) {
     std::string name = name_of(referred(label));
@@ -138,10 +119,6 @@ void AssemblyWalk::visit_all(const TDF_LabelSequence& labels, const Inherited& f
   for (int i = 1; i <= labels.Length(); ++i) {
     Inherited child = from;
     (child.path += '/') += names[i - 1];
-    if (labels.Value(i) != referred(labels.Value(i))) {
-      child.place = child.place * XCAFDoc_ShapeTool::GetLocation(labels.Value(i));
-      if (mirrored[i - 1]) child.place = child.place * mirror_in_y();
-    }
     visit(labels.Value(i), referred(labels.Value(i)), std::move(child));
   }
 }
@@ -155,6 +132,11 @@ void AssemblyWalk::visit(const TDF_Label& instance, const TDF_Label& part, Inher
   for (const TDF_Label& label : {part, instance}) {
     if (const auto color = color_of(label)) from.color = color;
     if (const std::string layer = layer_of(label); !layer.empty()) from.layer = layer;
+  }
+  if (instance != part) {
+    const TopLoc_Location place = XCAFDoc_ShapeTool::GetLocation(instance);
+    from.place = from.place * place;
+    if (entities_.is_mirrored(place)) from.place = from.place * mirror_in_y();
   }
   if (!XCAFDoc_ShapeTool::IsAssembly(part)) return add_part(part, from);
   TDF_LabelSequence components;

@@ -35,7 +35,7 @@ EntityIndex::EntityIndex(const Handle(StepData_StepModel) & model, const Handle(
                          const std::vector<Handle(Standard_Transient)>& mirrored_uses) {
   for (const auto& use : mirrored_uses) {
     const Handle(Transfer_Binder) binder = process->Find(use);
-    if (!binder.IsNull()) mirrored_.push_back(TransferBRep::ShapeResult(binder));
+    if (!binder.IsNull()) mirrored_.push_back(TransferBRep::ShapeResult(binder).Location());
   }
   for (int i = 1; i <= process->NbMapped(); ++i) {
     const Handle(Standard_Transient) entity = process->Mapped(i);
@@ -63,9 +63,9 @@ EntityRef EntityIndex::item(const TopoDS_Shape& shape) const {
   return found == items_.end() ? EntityRef{} : found->second;
 }
 
-std::size_t EntityIndex::mirrored(const TopoDS_Shape& instance) const {
-  return static_cast<std::size_t>(std::count_if(mirrored_.begin(), mirrored_.end(),
-                                                [&](const TopoDS_Shape& shape) { return shape.IsSame(instance); }));
+bool EntityIndex::is_mirrored(const TopLoc_Location& place) const {
+  return std::any_of(mirrored_.begin(), mirrored_.end(),
+                     [&place](const TopLoc_Location& other) { return other.IsEqual(place); });
 }
 
 int EntityIndex::product_definition(const TopoDS_Shape& shape) const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <StepData_StepModel.hxx>
+#include <TopLoc_Location.hxx>
 #include <TopoDS_Shape.hxx>
 #include <Transfer_TransientProcess.hxx>
 #include <string>
@@ -31,8 +32,9 @@ class EntityIndex {
   [[nodiscard]] EntityRef item(const TopoDS_Shape& shape) const;
   /// Number of the PRODUCT_DEFINITION whose shape this is; 0 when unknown.
   [[nodiscard]] int product_definition(const TopoDS_Shape& shape) const;
-  /// How many instances of this shape at this place should be mirror images of it in their own y.
-  [[nodiscard]] std::size_t mirrored(const TopoDS_Shape& instance) const;
+  /// Whether this place of an instance, as the import has made it, lacks a mirror image in the instance's own y. The
+  /// import makes a new place for every use, and equality is that of the object, not of the numbers.
+  [[nodiscard]] bool is_mirrored(const TopLoc_Location& place) const;
 
  private:
   using Key = const void*;
@@ -41,7 +43,7 @@ class EntityIndex {
 
   std::unordered_map<Key, EntityRef> items_;
   std::unordered_map<Key, int> products_;
-  std::vector<TopoDS_Shape> mirrored_;
+  std::vector<TopLoc_Location> mirrored_;
 };
 
 }  // namespace lamella::step

@@ -99,8 +99,8 @@ TEST_P(DatasetScene, OurVolumesAreTheExactOnes) {
 
 INSTANTIATE_TEST_SUITE_P(All, DatasetScene, testing::ValuesIn(names()), [](const auto& set) { return set.param; });
 
-// OpenCASCADE 7.6 reads a mirror placement as a rotation, and so do we as long as the raw operator isn't looked at.
-TEST(MirroredBrackets, DISABLED_RightArmIsTheMirrorImageOfTheLeft) {
+// OpenCASCADE 7.6 reads a mirror placement as a rotation.
+TEST(MirroredBrackets, RightArmIsTheMirrorImageOfTheLeft) {
   const std::filesystem::path file = datasets_dir() / "mirrored_brackets" / "mirrored_brackets.step";
   const Scene scene = read_step({&file, 1});
   const auto measures = measure_solids(scene);
