@@ -116,7 +116,9 @@ void Part21::index_entity(std::string_view statement, std::size_t begin, int lin
   entities_.push_back({number, line, begin + i, static_cast<std::uint32_t>(size)});
   for (const std::string_view keyword : scan.keywords) by_keyword_[upper(keyword)].push_back(position);
   if (!Parser(statement.substr(i)).parts().empty() || unreadable_.entity != 0) return;
-  unreadable_ = {line, number, "an attribute is no value: a number that is malformed, infinite or none?"};
+  unreadable_ = {
+      line, number,
+      "an attribute is no value (a number that is malformed, infinite or none?), or something follows the entity"};
 }
 
 void Part21::blank_faults(std::string& text) const {

@@ -185,6 +185,8 @@ std::vector<Part> Parser::parts() {
     if (!parse_part(part)) return {};
     result.push_back(std::move(part));
   } while (complex && peek() != ')' && peek() != '\0');
+  if (complex && !take(')')) return {};
+  if (peek() != '\0') return {};  // something follows the entity
   return result;
 }
 

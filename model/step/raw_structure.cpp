@@ -134,7 +134,8 @@ void require_acyclic(const Part21& file, const std::string& path, const Progress
 
 namespace {
 
-/// Whether the import takes it for granted that all such an entity refers to is there.
+/// Whether the import takes it for granted that all such an entity refers to is there: geometry, the places of parts in
+/// an assembly, colours.
 bool is_piece_of_geometry(const std::string& keyword) {
   static constexpr std::array kWhole = {"VECTOR",          "LINE",
                                         "CIRCLE",          "ELLIPSE",
@@ -150,9 +151,20 @@ bool is_piece_of_geometry(const std::string& keyword) {
                                         "EDGE_LOOP",       "SURFACE_CURVE",
                                         "SEAM_CURVE",      "INTERSECTION_CURVE",
                                         "TRIMMED_CURVE",   "COMPOSITE_CURVE",
-                                        "PCURVE"};
-  static constexpr std::array kFamilies = {"AXIS1_PLACEMENT", "AXIS2_PLACEMENT", "_SURFACE",
-                                           "B_SPLINE",        "SURFACE_OF_",     "OFFSET_"};
+                                        "PCURVE",          "DEFINITIONAL_REPRESENTATION"};
+  static constexpr std::array kFamilies = {"AXIS1_PLACEMENT",
+                                           "AXIS2_PLACEMENT",
+                                           "_SURFACE",
+                                           "B_SPLINE",
+                                           "SURFACE_OF_",
+                                           "OFFSET_",
+                                           "REPRESENTATION_RELATIONSHIP",
+                                           "ITEM_DEFINED_TRANSFORMATION",
+                                           "CONTEXT_DEPENDENT_SHAPE_REPRESENTATION",
+                                           "SURFACE_SIDE_STYLE",
+                                           "SURFACE_STYLE_",
+                                           "PRESENTATION_STYLE",
+                                           "STYLED_ITEM"};
   return std::find(kWhole.begin(), kWhole.end(), keyword) != kWhole.end() ||
          std::any_of(kFamilies.begin(), kFamilies.end(),
                      [&keyword](const char* word) { return keyword.find(word) != std::string::npos; });

@@ -69,7 +69,11 @@ TEST(Part21, NamesTheFirstEntityWithSomethingThatIsNoValue) {
     const std::string text = file_of("#1=A(1.,-2,+3.5E+2,'NAN');\n#2=B((1.," + std::string(number) + "));");
     EXPECT_EQ(Part21(text).unreadable().entity, 2) << number;
   }
-  const std::string text = file_of("#1=A(1.,-2,+3.5E+2,'NAN',.NAN.,1.E-99,-0.);");
+  for (const char* entity : {"#2=B(1.)E;", "#2=B(1.)\x85;", "#2=(B(1.)C()) D();", "#2=B(1.) C(2.);"}) {
+    const std::string junk = file_of(entity);
+    EXPECT_EQ(Part21(junk).unreadable().entity, 2) << entity;
+  }
+  const std::string text = file_of("#1=A(1.,-2,+3.5E+2,'NAN',.NAN.,1.E-99,-0.) /* end */ ;");
   EXPECT_EQ(Part21(text).unreadable().entity, 0);
 }
 
