@@ -23,23 +23,23 @@ struct Vertex {
 
 /// A shared edge: one 3D curve between two shared vertices, or a point (a pole, an apex) when `degenerate`.
 struct Edge {
-  Curve3 curve;                 ///< meaningless when degenerate
-  Interval range;               ///< parameters of `curve` at `start` and `end`, range.lo < range.hi
+  Curve3 curve;    ///< meaningless when degenerate
+  Interval range;  ///< parameters of `curve` at `start` and `end`, range.lo < range.hi
   VertexId start;
-  VertexId end;                 ///< equal to `start` for a closed or degenerate edge
-  double tolerance = 0.0;       ///< mm: the edge may lie this far from its curve and pcurves
+  VertexId end;            ///< equal to `start` for a closed or degenerate edge
+  double tolerance = 0.0;  ///< mm: the edge may lie this far from its curve and pcurves
   bool degenerate = false;
-  int step_entity = 0;          ///< #number in the STEP file, 0 if unknown
+  int step_entity = 0;  ///< #number in the STEP file, 0 if unknown
 };
 
 /// One use of an edge by a face. A seam edge has two, both in the same face.
 struct HalfEdge {
   EdgeId edge;
   LoopId loop;
-  bool forward = true;   ///< runs from the edge's start to its end
-  Curve2 pcurve;         ///< in the (u, v) of the face's surface, parametrised along with the edge's curve
-  Interval prange;       ///< pcurve parameters at the edge's range.lo and range.hi
-  HalfEdgeId twin;       ///< the other use of the edge in the same shell, in the opposite sense; invalid if none
+  bool forward = true;  ///< runs from the edge's start to its end
+  Curve2 pcurve;        ///< in the (u, v) of the face's surface, parametrised along with the edge's curve
+  Interval prange;      ///< pcurve parameters at the edge's range.lo and range.hi
+  HalfEdgeId twin;      ///< the other use of the edge in the same shell, in the opposite sense; invalid if none
 };
 
 /// A closed chain of half-edges, material of the face on the left seen against the face's surface normal Su x Sv
@@ -52,10 +52,10 @@ struct Loop {
 struct Face {
   ShellId shell;
   Surface surface;
-  bool same_sense = true;   ///< the solid's outward normal is +(Su x Sv)
+  bool same_sense = true;  ///< the solid's outward normal is +(Su x Sv)
   IdRange<LoopId> loops;
-  Box2 uv_bounds;           ///< box of the pcurves; periodic parameters are unwrapped, so it may leave [0, 2 pi]
-  double tolerance = 0.0;   ///< mm
+  Box2 uv_bounds;          ///< box of the pcurves; periodic parameters are unwrapped, so it may leave [0, 2 pi]
+  double tolerance = 0.0;  ///< mm
   int step_entity = 0;
   std::string name;
   std::optional<Color> color;
@@ -64,8 +64,8 @@ struct Face {
 struct Shell {
   SolidId solid;
   IdRange<FaceId> faces;
-  bool closed = false;      ///< every non-degenerate edge used twice in opposite senses
-  bool is_void = false;     ///< bounds a cavity
+  bool closed = false;   ///< every non-degenerate edge used twice in opposite senses
+  bool is_void = false;  ///< bounds a cavity
   int step_entity = 0;
 };
 
@@ -77,17 +77,17 @@ enum class SolidStatus {
 };
 
 struct SolidInfo {
-  std::string name;            ///< product or body name, UTF-8
-  std::string path;            ///< "/assembly/part.1/body", unique in the scene
-  std::size_t file = 0;        ///< index in Scene::files
+  std::string name;      ///< product or body name, UTF-8
+  std::string path;      ///< "/assembly/part.1/body", unique in the scene
+  std::size_t file = 0;  ///< index in Scene::files
   std::optional<Color> color;
-  std::string layer;           ///< first layer, empty if none
-  std::string step_material;   ///< empty if none
+  std::string layer;                   ///< first layer, empty if none
+  std::string step_material;           ///< empty if none
   std::optional<double> step_density;  ///< g/cm^3
   SolidStatus status = SolidStatus::ok;
   bool closed = true;
-  std::vector<std::string> healed;     ///< what the import changed, one line each
-  double max_tolerance = 0.0;  ///< mm, over edges and vertices
+  std::vector<std::string> healed;  ///< what the import changed, one line each
+  double max_tolerance = 0.0;       ///< mm, over edges and vertices
   int step_entity = 0;
 };
 
@@ -98,8 +98,8 @@ struct Solid {
 
 struct SourceFile {
   std::string path;
-  std::string schema;        ///< "AP203", "AP214", "AP242", or the file's own word
-  std::string unit;          ///< length unit as the file has it
+  std::string schema;  ///< "AP203", "AP214", "AP242", or the file's own word
+  std::string unit;    ///< length unit as the file has it
   double unit_in_mm = 1.0;
   std::string sha256;
 };

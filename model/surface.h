@@ -83,7 +83,7 @@ struct BSplineSurface {
 /// A surface with no exact rational form (an offset, say) as a B-spline over the same (u, v).
 struct FittedSurface {
   BSplineSurface fit;
-  double bound;        ///< largest distance in mm between fit and original at equal (u, v), as estimated by dense sampling
+  double bound;  ///< largest distance in mm between fit and original at equal (u, v), as estimated by dense sampling
   std::string origin;  ///< what it stands for, e.g. "offset surface"
 };
 
