@@ -119,6 +119,13 @@ void Tally::judge_solid(SolidId solid) {
     return;
   }
   const double allowed = kNormalAreaSlack * out.quadrature_bound + measure.volume_error;
+  if (!measure.converged) {
+    warn(solid, "its exact volume is known only to " + format_double(measure.volume_error) + " mm^3",
+         "compare it with the CAD system's");
+  }
+  if (out.volume_sliced == 0.0 && out.volume_exact > 0.0) {
+    warn(solid, "no ray meets the solid: it lies between the rows and layers", "use a finer pitch or layer height");
+  }
   // Written so that NaN fails.
   if (std::abs(out.volume_sliced - measure.volume) <= allowed) return;
   out.status = "volume";

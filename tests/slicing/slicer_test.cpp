@@ -215,6 +215,18 @@ TEST(Slicer, JudgesAVolumeThatIsTooFarOff) {
   EXPECT_FALSE(report.within_budget());
 }
 
+TEST(Slicer, NamesASolidThatFallsBetweenTheRows) {
+  KnownScene known;
+  known.add(box(Vec3(0, 0, 0), Vec3(4, 4, 4)), 0, 0, "block");
+  known.add(box(Vec3(1, 0.1, 1), Vec3(3, 0.2, 3)), 1, 0, "foil");
+  Recorder recorder;
+  const SliceReport report = run(known, known.plan(1, 1), recorder);
+  EXPECT_EQ(report.solids[SolidId{1}].volume_sliced, 0.0);
+  ASSERT_EQ(report.findings.size(), 1u);
+  EXPECT_THAT(report.findings[0].solid, HasSubstr("foil"));
+  EXPECT_THAT(report.findings[0].what, HasSubstr("no ray meets the solid"));
+}
+
 TEST(Slicer, StopsAtAnAmbiguousOverlapUnderPolicyError) {
   KnownScene known = mixed_scene();
   known.table.policy = OverlapPolicy::error;
