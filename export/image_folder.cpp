@@ -104,7 +104,9 @@ void ImageFolder::open(const BuildInfo& info) {
     subfolders_ = safe_file_names(names, {kTables.begin(), kTables.end()});
   }
   empty_folder(root_, extension_);
+  made_root_ = !fs::exists(root_);
   make_folder(root_);
+  is_open_ = true;
   write_tables(info);
   for (const std::string& name : subfolders_) make_folder(root_ / name);
 }
@@ -120,6 +122,17 @@ void ImageFolder::add_layer(const Layer& layer) {
 }
 
 void ImageFolder::close() const { write_file_atomically(root_ / "layers.csv", layers_csv_); }
+
+void ImageFolder::abandon() noexcept {
+  if (!is_open_) return;
+  is_open_ = false;
+  try {
+    empty_folder(root_, extension_);
+    if (made_root_) fs::remove(root_);
+  } catch (const std::exception&) {
+    // The failure that ended the run is the one to tell.
+  }
+}
 
 std::string ImageFolder::image_name(std::uint32_t index) const {
   return fmt::format("layer_{:06}{}", index, extension_);

@@ -34,6 +34,9 @@ class ImageFolder {
   /// Writes layers.csv, which tells a reader that the stack is complete. Throws ExportError.
   void close() const;
 
+  /// Removes what open() and write_image() have made, after a failed run; the folder itself too if open() made it.
+  void abandon() noexcept;
+
  private:
   [[nodiscard]] std::string image_name(std::uint32_t index) const;
   void write_tables(const BuildInfo& info) const;
@@ -43,6 +46,8 @@ class ImageFolder {
   bool folder_per_material_;
   std::vector<std::string> subfolders_;  ///< by material, empty when all images lie in the root
   std::string layers_csv_;
+  bool is_open_ = false;  ///< all in the folder is ours
+  bool made_root_ = false;
 };
 
 }  // namespace lamella

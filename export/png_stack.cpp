@@ -50,6 +50,7 @@ class PngSink final : public LayerSink {
   }
 
   void finish(const SliceReport&) override { folder_.close(); }
+  void abandon() noexcept override { folder_.abandon(); }
 
  private:
   [[nodiscard]] PackedImage blank_image() const { return {info_.plan.grid.size[0], info_.plan.grid.size[1], 1}; }
@@ -122,6 +123,7 @@ class IndexedPngSink final : public LayerSink {
   }
 
   void finish(const SliceReport&) override { folder_.close(); }
+  void abandon() noexcept override { folder_.abandon(); }
 
  private:
   ImageFolder folder_;

@@ -226,6 +226,38 @@ TEST(PngStack, ACancelledRunLeavesWholePicturesAndNoLayerTable) {
   feed(*make_indexed_png_sink(folder / "out"), info, layers);  // and the folder can be used again
 }
 
+TEST(PngStack, AnAbandonedRunLeavesNothingOfItsOwn) {
+  const BuildInfo info = make_build(small_grid(), {"steel", "rubber"});
+  const auto layers = random_layers(info);
+  for (const auto make : {make_png_sink, make_indexed_png_sink}) {
+    const TemporaryFolder folder;
+    fs::create_directory(folder / "before");
+    for (const char* name : {"new", "before"}) {
+      const auto sink = make(folder / name);
+      sink->begin(info);
+      sink->write(layers[0]);
+      sink->abandon();
+    }
+    EXPECT_FALSE(fs::exists(folder / "new"));
+    EXPECT_TRUE(fs::is_empty(folder / "before"));
+  }
+}
+
+TEST(PngStack, AbandoningARunThatWasRefusedTakesNothingAway) {
+  const TemporaryFolder folder;
+  const BuildInfo info = make_build(small_grid(), {"steel"});
+  feed(*make_png_sink(folder.path()), info, random_layers(info));
+  const auto before = files_under(folder.path());
+  const auto unopened = make_png_sink(folder.path());
+  unopened->abandon();
+  EXPECT_EQ(files_under(folder.path()), before);
+  std::ofstream(folder / "thesis.txt") << "years of work";
+  const auto refused = make_png_sink(folder.path());
+  EXPECT_THROW(refused->begin(info), ExportError);
+  refused->abandon();
+  EXPECT_EQ(files_under(folder.path()).size(), before.size() + 1);
+}
+
 TEST(PngStack, RefusesMoreMaterialsThanAnIndexHolds) {
   const TemporaryFolder folder;
   const BuildInfo info = make_build(small_grid(), std::vector<std::string>(256, "m"));
