@@ -172,6 +172,22 @@ bool is_piece_of_geometry(const std::string& keyword) {
 
 }  // namespace
 
+namespace {
+
+/// A point or direction in the plane where one in space must stand; 0 if there is none.
+int flat_reference(const Part21& file, const Entity& entity) {
+  const std::string keyword = file.keyword_of(entity.number);
+  if (keyword != "VERTEX_POINT" && keyword != "AXIS2_PLACEMENT_3D") return 0;
+  for (const int number : file.references(entity)) {
+    const Part part = file.part(number);
+    const bool spatial = part[1].items.size() == 3;
+    if ((part.keyword == "CARTESIAN_POINT" || part.keyword == "DIRECTION") && !spatial) return number;
+  }
+  return 0;
+}
+
+}  // namespace
+
 std::vector<RefusedEntity> broken_geometry(const Part21& file, const std::vector<RefusedEntity>& refused) {
   std::map<int, std::string> broken;
   std::vector<const Entity*> pieces;
@@ -182,6 +198,10 @@ std::vector<RefusedEntity> broken_geometry(const Part21& file, const std::vector
     // A missing name does no harm.
     const bool harmless = entity.reason.find("quoted String") != std::string::npos;
     if (!harmless && is_piece_of_geometry(file.keyword_of(entity.number))) broken.emplace(entity.number, entity.reason);
+  }
+  for (const Entity* piece : pieces) {
+    const int flat = flat_reference(file, *piece);
+    if (flat != 0) broken.emplace(piece->number, "it needs three coordinates and " + label_of(flat) + " has others");
   }
   for (bool grown = true; grown;) {
     grown = false;

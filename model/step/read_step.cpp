@@ -207,12 +207,13 @@ Reader::Source Reader::read_source(std::string& bytes, const std::string& name) 
     }
     for (std::size_t i = 0; i < broken.size(); ++i) {
       if (causes.size() + i < kNamed) {
-        scene_.findings.push_back({Severity::error,
-                                   {},
-                                   {},
-                                   step::label_of(broken[i].number),
-                                   source.raw->keyword_of(broken[i].number) + " can't be read: " + broken[i].reason,
-                                   "the file is damaged; export it again"});
+        const std::string keyword = source.raw->keyword_of(broken[i].number);
+        // A style that is lost costs a colour, not material.
+        const bool style = keyword.find("STYLE") != std::string::npos;
+        Finding finding{style ? Severity::warning : Severity::error, {}, {}, step::label_of(broken[i].number), {}, {}};
+        finding.what = keyword + " can't be read: " + broken[i].reason;
+        finding.hint = style ? "a colour may be missing" : "the file is damaged; export it again";
+        scene_.findings.push_back(finding);
       }
       source.raw->blank_entity(bytes, broken[i].number);
     }

@@ -69,6 +69,18 @@ TEST(RawStructure, ListsGeometryThatLacksWhatItIsMadeOfUpToTheFace) {
   EXPECT_EQ(numbers, (std::vector<int>{1, 2, 3, 4, 5, 6})) << "a shell is borne without a face";
 }
 
+TEST(RawStructure, ListsVerticesWithoutAPointInSpace) {
+  const std::string text = file_of("#1=VERTEX_POINT('',#2);#2=CARTESIAN_POINT('',(0.,0.));");
+  EXPECT_EQ(broken_geometry(Part21(text), {}).size(), 1U);
+}
+
+TEST(RawStructure, FindsCurvesAndColoursThatLackTheirParts) {
+  const std::string text = file_of(
+      "#1=PCURVE('',#9,#2);#2=DEFINITIONAL_REPRESENTATION('',(#8),#9);#9=PLANE('',$);"
+      "#3=STYLED_ITEM('',(#4),$);#4=PRESENTATION_STYLE_ASSIGNMENT((#5));#5=SURFACE_STYLE_USAGE(.BOTH.,#8);");
+  EXPECT_EQ(broken_geometry(Part21(text), {}).size(), 5U) << "the plane lacks nothing";
+}
+
 TEST(RawStructure, TakesTheImportsRefusalsForCausesButNotThoseOfNames) {
   const std::string text = file_of("#1=LINE('',#2,#2);#2=CARTESIAN_POINT($,(0.,0.,0.));");
   const Part21 file(text);
