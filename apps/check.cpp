@@ -92,6 +92,7 @@ Findings check_stored_build(const Session& session, const fs::path& folder) {
     const StoreReader reader(folder);
     CheckingSink sink;
     reader.replay(sink, {}, session.progress());
+    reader.check_links();
     return sink.judge(folder.string());
   });
 }

@@ -93,16 +93,29 @@ std::unique_ptr<LayerSink> make_sink(const Output& output, const FormatOptions& 
   return make_xml_sink(output.path, options.xml_text ? XmlPayload::text : XmlPayload::binary);
 }
 
+namespace {
+
+/// Whether `inner` is `outer` or lies below it.
+bool is_within(const fs::path& inner, const fs::path& outer) {
+  return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
+}
+
+}  // namespace
+
 void refuse_inputs_as_outputs(const std::vector<fs::path>& outputs, const std::vector<std::string>& inputs) {
   std::vector<fs::path> taken;
   for (const std::string& input : inputs) taken.push_back(resolved(input));
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     const fs::path place = resolved(outputs[i]);
-    const auto found = std::find(taken.begin(), taken.end(), place);
-    if (found != taken.end()) {
-      const bool is_input = static_cast<std::size_t>(found - taken.begin()) < inputs.size();
-      throw UsageError(is_input ? "an output would overwrite an input" : "two outputs have the same place",
-                       outputs[i].string(), "choose another name");
+    for (std::size_t j = 0; j < taken.size(); ++j) {
+      const bool is_input = j < inputs.size();
+      if (is_input && place == taken[j]) {
+        throw UsageError("an output would overwrite an input", outputs[i].string(), "choose another name");
+      }
+      if (!is_input && (is_within(place, taken[j]) || is_within(taken[j], place))) {
+        throw UsageError(place == taken[j] ? "two outputs have the same place" : "an output lies inside another",
+                         outputs[i].string(), "choose a place of its own");
+      }
     }
     taken.push_back(place);
   }

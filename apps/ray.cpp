@@ -2,6 +2,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <fmt/format.h>
 #include <fstream>
 #include <iostream>
@@ -52,6 +53,11 @@ Ray make_ray(const Vec3& from, const Vec3& direction, const std::string& where) 
   const double length = direction.stableNorm();
   if (!from.allFinite() || !(length > 0.0) || !std::isfinite(length)) {
     throw UsageError("a ray needs a finite point and a direction that isn't zero", where, "e.g. --dir 1,0,0");
+  }
+  // Beyond it nothing is left of a millimetre's digits (16 of them) that could be called exact.
+  constexpr double kFarthest = 1e9;
+  if (from.cwiseAbs().maxCoeff() > kFarthest) {
+    throw UsageError("the point of a ray lies further than 1e9 mm away", where, "give a point near the model");
   }
   return {from, direction / length};
 }
@@ -196,7 +202,8 @@ bool is_trustworthy(const RayResult& result) {
 ExitCode cast_file(const Session& session, const Assembly& assembly, const RayCaster& caster, const std::string& name) {
   std::ifstream file;
   if (name != "-") file.open(name);
-  if (name != "-" && !file) throw InputError("can't read the file of rays", name, "does it exist?");
+  const bool is_readable = name == "-" || (file && !std::filesystem::is_directory(name));
+  if (!is_readable) throw InputError("can't read the file of rays", name, "is it there, and a file?");
   std::istream& stream = name == "-" ? std::cin : file;
 
   constexpr std::size_t kBatch = 4096;

@@ -48,6 +48,20 @@ std::string sha256_of(const std::string& bytes) {
   return digest.finish();
 }
 
+/// Without its placement a part would lie at the wrong place, and nothing in the result would show it.
+void refuse_broken_placements(const Part21& raw, const std::string& name,
+                              const std::vector<step::RefusedEntity>& broken) {
+  for (const step::RefusedEntity& entity : broken) {
+    const std::string keyword = raw.keyword_of(entity.number);
+    for (const char* placement : {"SHAPE_REPRESENTATION_RELATIONSHIP", "ITEM_DEFINED_TRANSFORMATION",
+                                  "CONTEXT_DEPENDENT_SHAPE_REPRESENTATION"}) {
+      if (keyword.find(placement) == std::string::npos) continue;
+      throw InputError("the placement of a part can't be read: " + entity.reason,
+                       name + ", " + step::label_of(entity.number) + " " + keyword, "export the file again");
+    }
+  }
+}
+
 SourceFile describe_file(const std::filesystem::path& path, const std::string& bytes, const Part21& raw,
                          std::vector<Finding>& findings) {
   SourceFile file;
@@ -205,6 +219,7 @@ Reader::Source Reader::read_source(std::string& bytes, const std::string& name) 
       source.refused.insert(source.refused.end(), causes.begin(), causes.end());
       if (broken.empty()) return source;
     }
+    refuse_broken_placements(*source.raw, name, broken);
     for (std::size_t i = 0; i < broken.size(); ++i) {
       if (causes.size() + i < kNamed) {
         const std::string keyword = source.raw->keyword_of(broken[i].number);

@@ -37,6 +37,10 @@ class StoreReader {
   [[nodiscard]] const SliceReport& report() const;
   [[nodiscard]] Layer read_layer(std::uint32_t index) const;
 
+  /// Checks layers.h5, which this class does not need but other programs open: every layer's link is there and leads
+  /// to a group. Throws InputError.
+  void check_links() const;
+
   /// Streams the layers of `range` to `sink` in increasing z: begin, write ..., finish.
   void replay(LayerSink& sink, LayerRange range = {}, const Progress& progress = {}) const;
 

@@ -4,6 +4,7 @@
 
 #include "slicing/layer_check.h"
 #include "slicing/store/build_file.h"
+#include "slicing/store/hdf5.h"
 #include "slicing/store/layer_digest.h"
 #include "slicing/store/shard_reader.h"
 #include "slicing/store/store.h"
@@ -74,6 +75,19 @@ Layer StoreReader::read_layer(std::uint32_t index) const {
     throw InputError("malformed layer: " + *fault, where, "the build is damaged; slice again");
   }
   return layer;
+}
+
+void StoreReader::check_links() const {
+  const std::filesystem::path path = data_->folder / kMasterName;
+  const hdf5::Session session;
+  const hdf5::File file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
+  const std::string hint = "slice again, or export from the shards, which are checked apart";
+  if (!file.is_valid()) throw InputError("can't open the file that links the layers", path.string(), hint);
+  for (std::size_t layer = 0; layer < data_->build.layers.size(); ++layer) {
+    const std::string name = layer_group_name(layer);
+    const hdf5::Group group(H5Gopen2(file.id(), name.c_str(), H5P_DEFAULT));
+    if (!group.is_valid()) throw InputError("the link '" + name + "' leads nowhere", path.string(), hint);
+  }
 }
 
 void StoreReader::replay(LayerSink& sink, LayerRange range, const Progress& progress) const {
