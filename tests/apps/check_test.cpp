@@ -51,6 +51,15 @@ TEST(Check, AWholeBuildIsOkAndADamagedOneIsNot) {
   EXPECT_EQ(check(quoted(folder / "cut.xml"), 3)["ok"], false);
 }
 
+TEST(Check, ABuildWithoutItsLinksIsNotOk) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(run_lamella("slice " + boxes() + " --pitch 1 --layer-height 2 -o " + quoted(folder / "build")).exit_code,
+            0);
+  write_text(folder / "build/layers.h5", "");
+  const Json damaged = check(quoted(folder / "build"), 3);
+  EXPECT_THAT(damaged["findings"][0]["where"].get<std::string>(), HasSubstr("layers.h5"));
+}
+
 TEST(Check, ASoundStepFileIsOk) { EXPECT_EQ(check(boxes(), 0)["ok"], true); }
 
 TEST(Check, AnOpenSolidIsFoundInAStepFile) {

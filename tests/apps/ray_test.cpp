@@ -77,6 +77,12 @@ TEST(Ray, ABadLineIsNamed) {
   }
 }
 
+TEST(Ray, AFolderOfRaysAndAPointOutOfReachAreRefused) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(run_lamella("ray " + boxes() + " --rays " + quoted(folder.path())).exit_code, 2);
+  EXPECT_EQ(run_lamella("ray " + boxes() + " --from 1e300,0,5 --dir 1,0,0").exit_code, 1);
+}
+
 TEST(Ray, TextNamesUnitsAndSolids) {
   const Json info = parse_output(run_lamella("info " + boxes() + " --json"));
   const CommandResult result = run_lamella("ray " + boxes() + " --from " + middle(info) + " --dir 1,0,0");

@@ -134,6 +134,16 @@ TEST(Slice, AnUnwritableOutputIsExitCodeFour) {
   EXPECT_EQ(files_below(folder.path()).size(), 1U);
 }
 
+TEST(Slice, AnOutputInsideAnotherIsRefused) {
+  const TemporaryFolder folder;
+  for (const char* inner : {"build/build.xml", "build/layers.h5", "build"}) {
+    const CommandResult result = run_lamella("slice " + boxes() + kCoarse + "-o " + quoted(folder / "build") +
+                                             " --vdb " + quoted(folder / inner));
+    EXPECT_EQ(result.exit_code, 1) << inner << result.errors;
+  }
+  EXPECT_THAT(files_below(folder.path()), IsEmpty());
+}
+
 TEST(Slice, ARepeatedBuildReplacesTheFirst) {
   const TemporaryFolder folder;
   const std::string build = " -o " + quoted(folder / "build");
@@ -148,7 +158,7 @@ TEST(Slice, OverlapAsErrorIsExitCodeTwoAndLeavesNothing) {
   const TemporaryFolder folder;
   const auto model = quoted(datasets_dir() / "interpenetrating_bodies/interpenetrating_bodies.step");
   const CommandResult result = run_lamella("slice " + model + " --pitch 1 --layer-height 1 --overlap error --json -o " +
-                                           quoted(folder / "build"));
+                                           quoted(folder / "build") + " --png " + quoted(folder / "png"));
   EXPECT_EQ(result.exit_code, 2) << result.errors;
   EXPECT_THAT(parse_output(result)["error"]["what"].get<std::string>(), HasSubstr("overlap"));
   EXPECT_THAT(files_below(folder.path()), IsEmpty());

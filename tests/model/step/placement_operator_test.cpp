@@ -56,6 +56,20 @@ TEST_F(PlacementOperator, ARightHandedOneIsAPlacementLikeAnyOther) {
   EXPECT_NEAR((bounds.min() - Vec3(1, 1, 1)).norm() + (bounds.max() - Vec3(3, 4, 2)).norm(), 0.0, 1e-12);
 }
 
+// Without its placement the part would lie at the origin, and nothing would show it.
+TEST_F(PlacementOperator, APlacementThatLacksAPartIsRefusedByName) {
+  std::string text = test::read_text(file_with("#900001,#900002,#900005,1.,#900004"));
+  const std::regex link(R"((REPRESENTATION_RELATIONSHIP\('[^']*','[^']*',#\d+,)#\d+)");
+  test::write_text(folder_ / "broken.step", std::regex_replace(text, link, "$1#999999"));
+  try {
+    (void)read(folder_ / "broken.step");
+    ADD_FAILURE() << "read without a placement";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("placement"));
+    EXPECT_THAT(error.where(), ::testing::ContainsRegex("#[0-9]+"));
+  }
+}
+
 // The import leaves out the factor.
 TEST_F(PlacementOperator, AScaledInstanceIsRefusedByName) {
   try {
