@@ -53,7 +53,7 @@ void refuse_broken_placements(const Part21& raw, const std::string& name,
                               const std::vector<step::RefusedEntity>& broken) {
   for (const step::RefusedEntity& entity : broken) {
     const std::string keyword = raw.keyword_of(entity.number);
-    for (const char* placement : {"SHAPE_REPRESENTATION_RELATIONSHIP", "ITEM_DEFINED_TRANSFORMATION",
+    for (const char* placement : {"RELATIONSHIP_WITH_TRANSFORMATION", "ITEM_DEFINED_TRANSFORMATION",
                                   "CONTEXT_DEPENDENT_SHAPE_REPRESENTATION"}) {
       if (keyword.find(placement) == std::string::npos) continue;
       throw InputError("the placement of a part can't be read: " + entity.reason,

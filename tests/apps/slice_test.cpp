@@ -125,9 +125,10 @@ TEST(Slice, AForeignFolderIsRefusedAndLeftAlone) {
 TEST(Slice, AnUnwritableOutputIsExitCodeFour) {
   const TemporaryFolder folder;
   write_text(folder / "file", "");
+  std::filesystem::create_directory(folder / "folder");
   for (const std::string& output : std::vector<std::string>{
            "-o " + quoted(folder / "file"), "-o " + quoted(folder / "file" / "build"),
-           "-o " + quoted(folder / "build") + " --xml " + quoted(folder.path()), "-o /proc/nowhere/build"}) {
+           "-o " + quoted(folder / "build") + " --xml " + quoted(folder / "folder"), "-o /proc/nowhere/build"}) {
     const CommandResult result = run_lamella("slice " + boxes() + kCoarse + output);
     EXPECT_EQ(result.exit_code, 4) << output << "\n" << result.errors;
   }
