@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "core/geometry.h"
+#include "slicing/hit.h"
+
+namespace lamella {
+
+/// Parallel lines in a layer's plane: row m is the line across . p = anchor + (m + 1/2) spacing, scanned along `along`.
+struct RowLattice {
+  Vec2 along = Vec2::UnitX();   ///< unit length
+  Vec2 across = Vec2::UnitY();  ///< `along` turned by +90 degrees
+  double anchor = 0.0;          ///< mm along `across`
+  double spacing = 1.0;         ///< mm
+  std::int64_t first_row = 0;
+  std::int64_t last_row = 0;  ///< one past
+
+  [[nodiscard]] double position(std::int64_t row) const { return anchor + (static_cast<double>(row) + 0.5) * spacing; }
+};
+
+/// Spans of all solids on the rows of a lattice in compressed form: row first_row + r holds spans
+/// [row_start[r], row_start[r + 1]), ascending by begin, then end, then solid; each solid's own are disjoint.
+/// Coordinates are p . along, mm.
+struct SpanRows {
+  std::vector<std::uint64_t> row_start{0};
+  std::vector<Span> spans;
+
+  [[nodiscard]] std::size_t rows() const { return row_start.size() - 1; }
+  [[nodiscard]] std::span<const Span> row(std::size_t r) const {
+    return {spans.data() + row_start[r], spans.data() + row_start[r + 1]};
+  }
+};
+
+/// One layer to cut: its plane and the lattices on it.
+struct LayerRequest {
+  std::size_t layer = 0;  ///< number in the plan, for messages
+  double z = 0.0;         ///< mm
+  std::vector<RowLattice> lattices;
+};
+
+/// What cutting one layer gave: one SpanRows a lattice, in the order of the request.
+struct LayerSpans {
+  std::vector<SpanRows> lattices;
+  CastCounters cast;
+};
+
+/// How many consecutive layers an engine cuts as one unit of work. Slabs begin at multiples of it, whatever the number
+/// of threads, so that what an engine carries from layer to layer can't change the result.
+inline constexpr std::size_t kSlabLayers = 16;
+
+/// What an engine does for the slicer: cuts a slab of consecutive layers, ascending in z, against the solids it was
+/// made for; `out` has one entry a request. Called from several threads at once, each with its own slab.
+using SlabFunction = std::function<void(std::span<const LayerRequest> slab, std::span<LayerSpans> out)>;
+
+}  // namespace lamella
