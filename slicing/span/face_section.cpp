@@ -263,6 +263,7 @@ void FaceSection::cut_traced(double z, NodeTable& nodes, Section& out, SectionCo
       }
     }
     ++counters.doubtful_arcs;
+    if (getenv("LDBG")) fprintf(stderr,"DOUBT face %u %s z %.12g band [%.12g %.12g] certain %d usable %d %d S xy %.9g %.9g uv %.9g %.9g T %.3g %.3g steep %.3g k %.3g E xy %.9g %.9g uv %.9g %.9g traced %zu last %.9g %.9g uv %.9g %.9g size %.3g\n", face_->id.value(), surface_type_name(face_->surface.surface()), z, face_->events[*band_], face_->events[*band_+1], family.certain, begin.usable, end.usable, begin.point.xy.x(), begin.point.xy.y(), begin.point.uv[0], begin.point.uv[1], begin.point.tangent.x(), begin.point.tangent.y(), begin.point.steepness, begin.point.curvature, end.point.xy.x(), end.point.xy.y(), end.point.uv[0], end.point.uv[1], traced_.pieces.size(), traced_.points.empty()?0:traced_.points.back().xy.x(), traced_.points.empty()?0:traced_.points.back().xy.y(), traced_.points.empty()?0:traced_.points.back().uv[0], traced_.points.empty()?0:traced_.points.back().uv[1], face_->size);
     append_chord(begin.node, end.node, begin.point.xy, end.point.xy, true, out);
   }
 }

@@ -13,6 +13,9 @@ namespace lamella::span {
 
 namespace {
 
+/// Share of the domain by which the outer cells reach beyond it.
+constexpr double kOuterMargin = 0.02;
+
 /// Bernstein polynomials of one degree with first and second derivatives at a place.
 struct BernsteinRow {
   std::array<double, kMaxDegree + 1> value;
@@ -223,7 +226,12 @@ Interval SectionSurface::limits(const Cell& cell, int axis) const {
   const std::vector<double>& all = breaks(axis);
   if (all.empty()) return {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
   const int index = axis == 0 ? cell.u : cell.v;
-  return {all[index], all[index + 1]};
+  // Nodes may lie outside the domain by an edge's tolerance: the outer pieces go on a little.
+  const double margin = kOuterMargin * (all.back() - all.front());
+  Interval limits{all[index], all[index + 1]};
+  if (index == 0) limits.lo -= margin;
+  if (index + 2 == static_cast<int>(all.size())) limits.hi += margin;
+  return limits;
 }
 
 bool SectionSurface::has_neighbor(const Cell& cell, int axis, bool upper) const {

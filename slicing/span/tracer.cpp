@@ -27,8 +27,8 @@ Vec2 predict(const SectionPoint& from, double length) {
   return from.uv + length * from.uv_slope + (0.5 * length * length) * from.uv_bend;
 }
 
-/// Smallest positive s with slope s + bend s^2 / 2 = rise, or `fallback`.
-double first_reach(double rise, double slope, double bend, double fallback) {
+/// Smallest s > floor with slope s + bend s^2 / 2 = rise, or `fallback`.
+double first_reach(double rise, double slope, double bend, double floor, double fallback) {
   const double half = 0.5 * bend;
   const double discriminant = slope * slope + 4.0 * half * rise;
   if (!(discriminant >= 0.0)) return fallback;
@@ -37,7 +37,7 @@ double first_reach(double rise, double slope, double bend, double fallback) {
   const double first = rise / q;
   const double second = q / -half;
   for (const double s : {first, second}) {
-    if (s > 0.0 && s < best) best = s;
+    if (s > floor && s < best) best = s;
   }
   return best;
 }
@@ -52,7 +52,10 @@ Exit find_exit(const SectionSurface& surface, const Cell& cell, const SectionPoi
     const bool above = to[axis] > limits.hi + slack;
     if (!above && !(to[axis] < limits.lo - slack)) continue;
     const double value = above ? limits.hi : limits.lo;
-    const double s = first_reach(value - from.uv[axis], from.uv_slope[axis], from.uv_bend[axis], length);
+    // From a point on the limit inward, the limit just left isn't reached again at once.
+    const bool inward = (from.uv_slope[axis] > 0.0) != above;
+    const double s =
+        first_reach(value - from.uv[axis], from.uv_slope[axis], from.uv_bend[axis], inward ? 1e-6 * length : 0.0, length);
     if (exit.axis < 0 || s < exit.length) exit = {axis, above, value, s};
   }
   return exit;
@@ -139,11 +142,38 @@ class Trace {
     Step step;
     step.exit = find_exit(surface_, cell_, current_, length);
     Vec2 uv = predict(current_, step.exit.length);
-    if (step.exit.axis >= 0) uv[step.exit.axis] = step.exit.value;
-    const CorrectLimits correct_limits{limits_.height, kCorrectionShare * step.exit.length + limits_.tolerance};
-    const auto next = correct(surface_, cell_, uv, z_, sign_, step.exit.axis, correct_limits);
-    if (!next || !(next->tangent.dot(current_.tangent) > std::cos(kLargestTurn * 1.2))) return std::nullopt;
-    step.next = *next;
+    // A correction may leave the cell where the prediction didn't, or by its other side: then end on that limit.
+    for (int attempt = 0; attempt < 3; ++attempt) {
+      if (step.exit.axis >= 0) uv[step.exit.axis] = step.exit.value;
+      const CorrectLimits correct_limits{limits_.height, kCorrectionShare * step.exit.length + limits_.tolerance};
+      const auto next = correct(surface_, cell_, uv, z_, sign_, step.exit.axis, correct_limits);
+      if (!next) return std::nullopt;
+      if (!leaves_cell(next->uv, step.exit)) {
+        step.next = *next;
+        return fitted(step);
+      }
+      uv = next->uv;
+    }
+    return std::nullopt;
+  }
+
+  /// Whether `uv` lies beyond a limit of the cell; `exit` then holds that limit.
+  bool leaves_cell(const Vec2& uv, Exit& exit) const {
+    for (int axis = 0; axis < 2; ++axis) {
+      const Interval limits = surface_.limits(cell_, axis);
+      const double slack = 2.0 * kCellSlack * limits.length();
+      const bool above = uv[axis] > limits.hi + slack;
+      if (!above && !(uv[axis] < limits.lo - slack)) continue;
+      exit.axis = axis;
+      exit.upper = above;
+      exit.value = above ? limits.hi : limits.lo;
+      return true;
+    }
+    return false;
+  }
+
+  std::optional<Step> fitted(Step step) {
+    if (!(step.next.tangent.dot(current_.tangent) > std::cos(kLargestTurn * 1.2))) return std::nullopt;
     step.fit = fit_piece(surface_, cell_, current_, step.next);
     if (!std::isfinite(step.fit.error)) return std::nullopt;
     return step;
