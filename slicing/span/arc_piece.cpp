@@ -83,6 +83,21 @@ ArcPiece straight_piece(const Vec2& a, const Vec2& b) {
   return piece;
 }
 
+ArcPiece reversed(const ArcPiece& piece) {
+  // c(1 - t): the Taylor coefficients about 1 with alternating signs.
+  constexpr int kBinomial[6][6] = {{1, 1, 1, 1, 1, 1}, {0, 1, 2, 3, 4, 5},  {0, 0, 1, 3, 6, 10},
+                                   {0, 0, 0, 1, 4, 10}, {0, 0, 0, 0, 1, 5}, {0, 0, 0, 0, 0, 1}};
+  ArcPiece result;
+  for (int k = 0; k < 6; ++k) {
+    const double sign = k % 2 == 0 ? 1.0 : -1.0;
+    for (int i = k; i < 6; ++i) {
+      result.x[k] += sign * kBinomial[k][i] * piece.x[i];
+      result.y[k] += sign * kBinomial[k][i] * piece.y[i];
+    }
+  }
+  return result;
+}
+
 PieceFit fit_piece(const SectionSurface& surface, const Cell& cell, const SectionPoint& a, const SectionPoint& b) {
   PieceFit fit;
   fit.error = std::numeric_limits<double>::infinity();

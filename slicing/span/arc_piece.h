@@ -18,6 +18,9 @@ struct ArcPiece {
 /// The chord from `a` to `b`.
 [[nodiscard]] ArcPiece straight_piece(const Vec2& a, const Vec2& b);
 
+/// The same stretch run through the other way.
+[[nodiscard]] ArcPiece reversed(const ArcPiece& piece);
+
 /// How a piece was fitted between two points of a section.
 struct PieceFit {
   ArcPiece piece;

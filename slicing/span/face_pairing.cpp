@@ -120,11 +120,10 @@ void FaceSection::pair_traced(double z, const NodeTable& nodes) {
   find_loops(z);
 }
 
-void FaceSection::join(std::uint32_t begin, std::uint32_t end, bool certain) {
+void FaceSection::join(std::uint32_t begin, std::uint32_t end) {
   Family family;
   family.begin = begin;
   family.end = end;
-  family.certain = certain;
   families_.push_back(family);
   is_paired_[begin] = is_paired_[end] = 1;
 }
@@ -142,7 +141,7 @@ void FaceSection::pair_neighbors() {
       if (is_paired_[a] != 0 || is_paired_[b] != 0) continue;
       if (face_->uses[a].ends_arc == face_->uses[b].ends_arc) continue;
       if (face_->uses[a].ends_arc) std::swap(a, b);
-      if (points_[a].usable && points_[b].usable && are_joined(points_[a], points_[b])) join(a, b, true);
+      if (points_[a].usable && points_[b].usable && are_joined(points_[a], points_[b])) join(a, b);
     }
     first = last;
   }
@@ -158,13 +157,9 @@ void FaceSection::trace_starts() {
       targets.push_back(points_[end].point);
       ids.push_back(end);
     }
-    if (!trace(face_->surface, face_->sign, points_[start].point, targets, limits_, traced_)) {
-      if (getenv("LDBG")) { fprintf(stderr,"FAIL face %u z %.9g S xy %.9g %.9g uv %.9g %.9g traced %zu starts %zu ends %zu size %g\n", face_->id.value(), points_[start].point.z, points_[start].point.xy.x(), points_[start].point.xy.y(), points_[start].point.uv[0], points_[start].point.uv[1], traced_.pieces.size(), starts_.size(), ends_.size(), face_->size);
-      for (auto& p : traced_.points) fprintf(stderr,"   xy %.9g %.9g uv %.9g %.9g k %.3g steep %.3g\n", p.xy.x(), p.xy.y(), p.uv[0], p.uv[1], p.curvature, p.steepness);
-      for (auto e : ends_) fprintf(stderr,"   E xy %.9g %.9g uv %.9g %.9g paired %d usable %d\n", points_[e].point.xy.x(), points_[e].point.xy.y(), points_[e].point.uv[0], points_[e].point.uv[1], is_paired_[e], points_[e].usable); }
-      continue; }
+    if (!trace(face_->surface, face_->sign, points_[start].point, targets, limits_, traced_)) continue;
     visit_roots(traced_);
-    join(start, ids[traced_.target], true);
+    join(start, ids[traced_.target]);
   }
 }
 
@@ -179,7 +174,7 @@ void FaceSection::pair_rest() {
       nearest = distance;
       best = end;
     }
-    if (std::isfinite(nearest)) join(start, best, false);
+    if (std::isfinite(nearest)) join(start, best);
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "model/evaluate.h"
 
@@ -242,30 +243,82 @@ bool FaceSection::are_joined(const FacePoint& begin, const FacePoint& end) const
 
 void FaceSection::cut_traced(double z, NodeTable& nodes, Section& out, SectionCounters& counters) {
   const double inner = inner_height(z);
+  // At the very height of an event the face may be horizontal in a node, where nothing can be traced from.
+  const auto point_of = [&](const PieceUse& use) {
+    const Node& stored = nodes.node(use.piece);
+    FacePoint point = face_point(use, inner == z ? stored : nodes.node_at(use.piece, inner), inner);
+    point.node = stored.xy;
+    return point;
+  };
   for (const Family& family : families_) {
     if (family.cut >= 0) {
       cut_loop(family, inner, out, counters);
       continue;
     }
-    const PieceUse& begin_use = face_->uses[family.begin];
-    const PieceUse& end_use = face_->uses[family.end];
-    const FacePoint begin = face_point(begin_use, nodes.node(begin_use.piece), inner);
-    const FacePoint end = face_point(end_use, nodes.node(end_use.piece), inner);
-    if (family.certain && begin.usable && end.usable) {
-      if (are_joined(begin, end)) {
-        append_chord(begin.node, end.node, begin.point.xy, end.point.xy, false, out);
-        continue;
-      }
-      ++counters.traced;
-      if (trace(face_->surface, face_->sign, begin.point, {&end.point, 1}, limits_, traced_)) {
-        append(begin.node, end.node, traced_, out);
-        continue;
+    const FacePoint begin = point_of(face_->uses[family.begin]);
+    const FacePoint end = point_of(face_->uses[family.end]);
+    cut_arc(begin, end, out, counters);
+  }
+}
+
+void FaceSection::cut_arc(const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters) {
+  if (begin.usable && end.usable) {
+    if (are_joined(begin, end)) {
+      append_chord(begin.node, end.node, begin.point.xy, end.point.xy, false, out);
+      return;
+    }
+    ++counters.traced;
+    if (trace(face_->surface, face_->sign, begin.point, {&end.point, 1}, limits_, traced_)) {
+      append(begin.node, end.node, traced_, out);
+      return;
+    }
+    bridge(begin, end, out, counters);
+    return;
+  }
+  ++counters.doubtful_arcs;
+  append_chord(begin.node, end.node, begin.point.xy, end.point.xy, true, out);
+}
+
+void FaceSection::bridge(const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters) {
+  // traced_ holds what could be followed from the beginning; the same from the end, backward.
+  const Cell cell = face_->surface.find_cell(end.point.uv, -end.point.uv_slope);
+  SectionPoint back = section_point(face_->surface.evaluate(end.point.uv, cell), end.point.uv, -face_->sign);
+  back.z = end.point.z;
+  trace(face_->surface, -face_->sign, back, {}, limits_, backward_);
+  std::size_t from = 0;
+  std::size_t to = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < traced_.points.size(); ++i) {
+    for (std::size_t j = 0; j < backward_.points.size(); ++j) {
+      const double distance = (traced_.points[i].xy - backward_.points[j].xy).squaredNorm();
+      if (distance < least) {
+        least = distance;
+        from = i;
+        to = j;
       }
     }
-    ++counters.doubtful_arcs;
-    if (getenv("LDBG")) fprintf(stderr,"DOUBT face %u %s z %.12g band [%.12g %.12g] certain %d usable %d %d S xy %.9g %.9g uv %.9g %.9g T %.3g %.3g steep %.3g k %.3g E xy %.9g %.9g uv %.9g %.9g traced %zu last %.9g %.9g uv %.9g %.9g size %.3g\n", face_->id.value(), surface_type_name(face_->surface.surface()), z, face_->events[*band_], face_->events[*band_+1], family.certain, begin.usable, end.usable, begin.point.xy.x(), begin.point.xy.y(), begin.point.uv[0], begin.point.uv[1], begin.point.tangent.x(), begin.point.tangent.y(), begin.point.steepness, begin.point.curvature, end.point.xy.x(), end.point.xy.y(), end.point.uv[0], end.point.uv[1], traced_.pieces.size(), traced_.points.empty()?0:traced_.points.back().xy.x(), traced_.points.empty()?0:traced_.points.back().xy.y(), traced_.points.empty()?0:traced_.points.back().uv[0], traced_.points.empty()?0:traced_.points.back().uv[1], face_->size);
-    append_chord(begin.node, end.node, begin.point.xy, end.point.xy, true, out);
   }
+  const SectionPoint& a = traced_.points[from];
+  const SectionPoint& b = backward_.points[to];
+  traced_.pieces.resize(from);
+  const Vec2 first = from == 0 ? begin.node : a.xy;
+  const Vec2 second = to == 0 ? end.node : b.xy;
+  if (from > 0) append(begin.node, first, traced_, out);
+  const bool doubtful = !(height_off(a, b) <= std::max(begin.tolerance, end.tolerance));
+  if (doubtful) ++counters.doubtful_arcs;
+  append_chord(first, second, a.xy, b.xy, doubtful, out);
+  if (to == 0) return;
+  traced_.pieces.clear();
+  for (std::size_t j = to; j-- > 0;) traced_.pieces.push_back(reversed(backward_.pieces[j]));
+  append(second, end.node, traced_, out);
+}
+
+double FaceSection::height_off(const SectionPoint& a, const SectionPoint& b) const {
+  const Vec2 middle = 0.5 * (a.uv + b.uv);
+  const Cell cell = face_->surface.find_cell(middle, Vec2::Zero());
+  const SurfacePoint2 at = face_->surface.evaluate(middle, cell);
+  const Vec3 off = at.point - Vec3(0.5 * (a.xy.x() + b.xy.x()), 0.5 * (a.xy.y() + b.xy.y()), a.z);
+  return std::abs(off.dot(at.normal().normalized()));
 }
 
 void FaceSection::cut_loop(const Family& family, double z, Section& out, SectionCounters& counters) {

@@ -54,7 +54,6 @@ class FaceSection {
     std::uint32_t cut_piece = 0;
     double sweep = 0.0;  ///< circles: angle at `z`, positive
     double z = 0.0;
-    bool certain = true;
   };
   /// One end of an arc on this face.
   struct FacePoint {
@@ -69,7 +68,7 @@ class FaceSection {
   void pair_plane(double z, const NodeTable& nodes);
   void pair_sphere(double z, const NodeTable& nodes);
   void pair_traced(double z, const NodeTable& nodes);
-  void join(std::uint32_t begin, std::uint32_t end, bool certain);
+  void join(std::uint32_t begin, std::uint32_t end);
   void pair_neighbors();
   void trace_starts();
   void pair_rest();
@@ -80,6 +79,11 @@ class FaceSection {
   void cut_plane(double z, NodeTable& nodes, Section& out) const;
   void cut_sphere(double z, NodeTable& nodes, Section& out);
   void cut_traced(double z, NodeTable& nodes, Section& out, SectionCounters& counters);
+  void cut_arc(const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters);
+  /// An arc that can't be followed from end to end: both ways as far as they come nearest, and a chord between.
+  void bridge(const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters);
+  /// Distance of the face from the middle of the chord between two of its points, mm.
+  [[nodiscard]] double height_off(const SectionPoint& a, const SectionPoint& b) const;
   void cut_loop(const Family& family, double z, Section& out, SectionCounters& counters);
 
   [[nodiscard]] double inner_height(double z) const;
@@ -102,6 +106,7 @@ class FaceSection {
   std::optional<std::size_t> band_;
   std::vector<Family> families_;
   TracedArc traced_;
+  TracedArc backward_;
 
   // Of the band being entered.
   struct CutRoot {
