@@ -82,35 +82,36 @@ struct Landing {
   bool isolated = false;  ///< the last step went along both axes
 };
 
-/// Which axes Newton's method leaves alone: those whose bend is at most `share` of the other's, or at most `least`.
-/// With zeros it finds isolated points only, with more also places on lines of points.
-struct Idle {
+/// How Newton's method goes about it. It leaves alone axes whose bend is at most `share` of the other's, or at most
+/// `least`: with zeros it finds isolated points only, with more also places on lines of points.
+struct LandingOptions {
+  double rounding = 0.0;  ///< mm, of slopes
   double share = 0.0;
   double least = 0.0;
+  int max_steps = 12;
 };
 
 /// Newton's method from the middle of a net.
-std::optional<Landing> land(const NetShape& shape, const double* net, const Idle& idle_axes, int max_steps) {
+std::optional<Landing> land(const NetShape& shape, const double* net, const LandingOptions& options) {
   Landing landing{{0.5, 0.5}, {}, false};
-  for (int i = 0; i < max_steps; ++i) {
+  for (int i = 0; i < options.max_steps; ++i) {
     landing.jet = evaluate_jet(shape, net, landing.local[0], landing.local[1]);
     const Principal at(landing.jet);
-    const double largest = std::max(std::abs(at.bend[0]), std::abs(at.bend[1]));
-    const double least = std::max(idle_axes.share * largest, idle_axes.least);
-    Vec2 step = Vec2::Zero();
+    const double least = std::max(options.share * std::max(std::abs(at.bend[0]), std::abs(at.bend[1])), options.least);
+    bool arrived = true;
     double idle = 0.0;
     landing.isolated = true;
     for (const int k : {0, 1}) {
       if (std::abs(at.bend[k]) > least) {
-        step -= at.slope[k] / at.bend[k] * at.axes[k];
+        landing.local -= at.slope[k] / at.bend[k] * at.axes[k];
+        arrived = arrived && std::abs(at.slope[k]) <= 1e-10 * std::abs(at.bend[k]) + options.rounding;
       } else {
         idle = at.slope[k];
         landing.isolated = false;
       }
     }
-    landing.local += step;
     if (!((landing.local.array() - 0.5).abs().maxCoeff() < 1.0)) return std::nullopt;  // also what isn't a number
-    if (step.cwiseAbs().maxCoeff() > 1e-10) continue;
+    if (!arrived) continue;
     if (std::abs(idle) <= 1e-2 * kLevelAccuracy) return landing;
     return std::nullopt;
   }
@@ -140,10 +141,17 @@ class PatchSearch {
         cells_.pop_back();
       }
     }
+    add_degenerate();
     return boxes;
   }
 
  private:
+  /// A stationary place in a cell too small to tell more about it.
+  struct Degenerate {
+    Vec2 place;
+    Vec2 size;
+  };
+
   [[nodiscard]] double* net(std::size_t k) { return nets_.data() + k * shape_.doubles(); }
 
   /// False if the patch is done with at once.
@@ -163,7 +171,8 @@ class PatchSearch {
     // Two patches that meet smoothly agree on the slope at their border up to rounding only; with no slack a point on
     // the border could be lost by both.
     slack_ = 10.0 * rounding_ + 1e-11 * range.length() + 1e-12;
-    landings_.clear();
+    isolated_.clear();
+    degenerate_.clear();
     cells_.assign(1, Cell{});
     return !is_horizontal(patch, range);
   }
@@ -189,9 +198,10 @@ class PatchSearch {
     const ThirdDerivatives third = third_derivatives(shape_, last, range_);
     if (middle.excludes_stationary(third.any, slack_)) return false;
     if (middle.is_one_to_one(third.any + 1e3 * rounding_) || has_one_to_one_gradient(shape_, last, range_, rounding_)) {
-      const std::optional<Landing> landing = land(shape_, last, Idle{}, 12);
+      const std::optional<Landing> landing = land(shape_, last, {rounding_});
       if (landing && is_within(*landing)) {
-        collector_.add_near(to_surface(cell.at(landing->local)));
+        isolated_.push_back(cell.at(landing->local));
+        collector_.add_near(to_surface(isolated_.back()));
         return false;
       }
     }
@@ -204,7 +214,7 @@ class PatchSearch {
   /// One place on a line of stationary places stands for all those in the cell.
   bool lies_on_line(const double* last, const ThirdDerivatives& third) {
     // Only along axes whose bend is certain; along others the way would be anywhere.
-    const std::optional<Landing> landing = land(shape_, last, Idle{kStraight, third.any}, 12);
+    const std::optional<Landing> landing = land(shape_, last, {rounding_, kStraight, third.any});
     if (!landing || landing->isolated || !is_within(*landing)) return false;
     const Principal at(landing->jet);
     const double less = std::min(std::abs(at.bend[0]), std::abs(at.bend[1]));
@@ -227,23 +237,27 @@ class PatchSearch {
 
   /// The cell may hold a line of stationary points, or one where second derivatives vanish.
   void leave(const Cell& cell, const double* last) {
-    const std::optional<Landing> landing = land(shape_, last, Idle{kStraight, 0.0}, 50);
+    const std::optional<Landing> landing = land(shape_, last, {rounding_, kStraight, 0.0, 50});
     if (!landing) return collector_.add_level(reference_ + height_range(shape_, last).middle(), false);
     collector_.add_level(reference_ + landing->jet.value);
     const Vec2 size(cell.u.length(), cell.v.length());
     // Long cells are what is left along lines.
-    if (landing->isolated && size.maxCoeff() < 0.1) add_degenerate(cell.at(landing->local), size);
+    if (landing->isolated && size.maxCoeff() < 0.1) degenerate_.push_back({cell.at(landing->local), size});
   }
 
   /// Around a point without curvature several cells are left, from which Newton's method lands less exactly.
-  void add_degenerate(const Vec2& place, const Vec2& size) {
-    for (const Vec2& other : landings_) {
-      if (((other - place).cwiseAbs().array() <= size.array()).all()) return;
+  void add_degenerate() {
+    for (const Degenerate& point : degenerate_) {
+      const auto near = [&](const Vec2& other) {
+        return ((other - point.place).cwiseAbs().array() <= point.size.array()).all();
+      };
+      if (std::any_of(isolated_.begin(), isolated_.end(), near)) continue;
+      isolated_.push_back(point.place);
+      const Vec2 half = 0.5 * point.size;
+      const Vec2 uv = to_surface(point.place);
+      const Vec2 radius = to_surface(point.place + half) - to_surface(point.place - half);
+      collector_.add_point(uv, kind_of(look_around(collector_.surface(), uv, radius)));
     }
-    landings_.push_back(place);
-    const Vec2 uv = to_surface(place);
-    const Vec2 radius = (to_surface(place + 0.5 * size) - to_surface(place - 0.5 * size)).cwiseAbs();
-    collector_.add_point(uv, kind_of(look_around(collector_.surface(), uv, radius)));
   }
 
   void leave_rest() {
@@ -270,8 +284,9 @@ class PatchSearch {
   double slack_ = 0.0;     ///< mm: slopes over a whole cell up to this may be zero
   Interval range_;         ///< of the last cell
   std::vector<Cell> cells_;
-  std::vector<double> nets_;  ///< one after the other, as the cells
-  std::vector<Vec2> landings_;
+  std::vector<double> nets_;    ///< one after the other, as the cells
+  std::vector<Vec2> isolated_;  ///< places in the patch's unit square
+  std::vector<Degenerate> degenerate_;
 };
 
 }  // namespace

@@ -80,11 +80,12 @@ Vec2 steepness(const NetShape& shape, const double* net) {
 
 /// w (z - c) for a c in the middle of the range, so that what multiplies the weights' derivatives is small in a small
 /// cell.
-const double* centred(const NetShape& shape, const double* net, const Interval& range, NetBuffer& buffer) {
+NetBuffer centred(const NetShape& shape, const double* net, const Interval& range) {
+  NetBuffer buffer{};
   const double c = range.middle();
   const double* weight = net + shape.count();
   for (std::size_t i = 0; i < shape.count(); ++i) buffer[i] = net[i] - c * weight[i];
-  return buffer.data();
+  return buffer;
 }
 
 /// steepness() of w (z - c).
@@ -100,15 +101,14 @@ Vec2 centred_steepness(const NetShape& shape, const double* net, double c) {
 
 /// Bounds of w times the second derivatives of g = G / w: w g_uu = G_uu - 2 w_u g_u - w_uu g and so on.
 SecondDerivatives rational_second_derivatives(const NetShape& shape, const double* net, const Interval& range) {
-  NetBuffer buffer;
-  const double* numerator = centred(shape, net, range, buffer);
+  const NetBuffer numerator = centred(shape, net, range);
   const double* weight = net + shape.count();
   const double least = *std::min_element(weight, weight + shape.count());
   const double g = 0.5 * range.length();
   const Vec2 weight_slope = steepness(shape, weight);
-  const Vec2 slope = (steepness(shape, numerator) + g * weight_slope) / least;
+  const Vec2 slope = (steepness(shape, numerator.data()) + g * weight_slope) / least;
   const SecondDerivatives w = second_derivatives(shape, weight);
-  const SecondDerivatives n = second_derivatives(shape, numerator);
+  const SecondDerivatives n = second_derivatives(shape, numerator.data());
   return {widened(n.uu, 2.0 * weight_slope[0] * slope[0] + magnitude(w.uu) * g),
           widened(n.uv, weight_slope[0] * slope[1] + weight_slope[1] * slope[0] + magnitude(w.uv) * g),
           widened(n.vv, 2.0 * weight_slope[1] * slope[1] + magnitude(w.vv) * g)};
@@ -252,8 +252,7 @@ double ThirdDerivatives::along(const Vec2& axis) const {
 
 ThirdDerivatives third_derivatives(const NetShape& shape, const double* net, const Interval& range) {
   if (!shape.rational) return polynomial_third(shape, net);
-  NetBuffer buffer;
-  const DirectionalBounds n = directional_bounds(shape, centred(shape, net, range, buffer));
+  const DirectionalBounds n = directional_bounds(shape, centred(shape, net, range).data());
   const double* weight = net + shape.count();
   const DirectionalBounds w = directional_bounds(shape, weight);
   const double least = *std::min_element(weight, weight + shape.count());
