@@ -151,19 +151,27 @@ class Crease {
     return CriticalKind::saddle;
   }
 
+  /// Between two of the four arms of the creases the height rises as a linear function does, so that its sign changes
+  /// once if it differs on the arms, and else not at all.
+  [[nodiscard]] Ring ring_at_corner(double t, double room, const Slopes& slopes) const {
+    const Eigen::Array4d rise(slopes.across[2], slopes.along[1], -slopes.across[0], -slopes.along[0]);
+    if (!(rise.abs().minCoeff() > slopes.negligible)) {
+      return look_around(collector_.surface(), place(knot_, t), 1e-6 * place(room_across_, room));
+    }
+    Ring ring{0, (rise > 0.0).any(), (rise < 0.0).any()};
+    for (int k = 0; k < 4; ++k) ring.changes += (rise[k] > 0.0) != (rise[(k + 1) % 4] > 0.0) ? 1 : 0;
+    return ring;
+  }
+
   /// Where two creases cross.
   void add_corner(double t, double room, const Slopes& slopes) {
     const double least = slopes.negligible;
     if (have_one_sign(slopes.across, least) || have_one_sign(slopes.along, least)) return;
     // Stationary in one of the patches, which is searched for itself.
     if ((slopes.across.abs() <= least && slopes.along.abs() <= least).any()) return;
-    // Round about on an ellipse along whose axes heights change alike.
-    const Vec2 steep(slopes.across.abs().maxCoeff() + least, slopes.along.abs().maxCoeff() + least);
-    const Vec2 share = (1e-6 * steep.minCoeff() / steep.array()).max(1e-9);
-    const Vec2 uv = place(knot_, t);
-    const Ring ring = look_around(collector_.surface(), uv, place(share[0] * room_across_, share[1] * room));
+    const Ring ring = ring_at_corner(t, room, slopes);
     if (ring.changes == 2) return;
-    collector_.add_point(uv, ring.above || ring.below ? kind_of(ring) : CriticalKind::saddle);
+    collector_.add_point(place(knot_, t), ring.above || ring.below ? kind_of(ring) : CriticalKind::saddle);
   }
 
   const BSplineSurface& spline_;

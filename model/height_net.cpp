@@ -80,27 +80,70 @@ Vec2 steepness(const NetShape& shape, const double* net) {
 
 /// w (z - c) for a c in the middle of the range, so that what multiplies the weights' derivatives is small in a small
 /// cell.
-const double* centred(const NetShape& shape, const double* net, const Interval& range, NetBuffer& buffer) {
+NetBuffer centred(const NetShape& shape, const double* net, const Interval& range) {
+  NetBuffer buffer{};
   const double c = range.middle();
   const double* weight = net + shape.count();
   for (std::size_t i = 0; i < shape.count(); ++i) buffer[i] = net[i] - c * weight[i];
-  return buffer.data();
+  return buffer;
+}
+
+/// steepness() of w (z - c).
+Vec2 centred_steepness(const NetShape& shape, const double* net, double c) {
+  const int m = shape.degree_u;
+  const int n = shape.degree_v;
+  const int row = shape.stride();
+  const double* weight = net + shape.count();
+  const auto difference = [&](int k, int step) { return net[k + step] - net[k] - c * (weight[k + step] - weight[k]); };
+  return {magnitude(range_of(m - 1, n, m, [&](int i, int j) { return difference(i * row + j, row); })),
+          magnitude(range_of(m, n - 1, n, [&](int i, int j) { return difference(i * row + j, 1); }))};
 }
 
 /// Bounds of w times the second derivatives of g = G / w: w g_uu = G_uu - 2 w_u g_u - w_uu g and so on.
 SecondDerivatives rational_second_derivatives(const NetShape& shape, const double* net, const Interval& range) {
-  NetBuffer buffer;
-  const double* numerator = centred(shape, net, range, buffer);
+  const NetBuffer numerator = centred(shape, net, range);
   const double* weight = net + shape.count();
   const double least = *std::min_element(weight, weight + shape.count());
   const double g = 0.5 * range.length();
   const Vec2 weight_slope = steepness(shape, weight);
-  const Vec2 slope = (steepness(shape, numerator) + g * weight_slope) / least;
+  const Vec2 slope = (steepness(shape, numerator.data()) + g * weight_slope) / least;
   const SecondDerivatives w = second_derivatives(shape, weight);
-  const SecondDerivatives n = second_derivatives(shape, numerator);
+  const SecondDerivatives n = second_derivatives(shape, numerator.data());
   return {widened(n.uu, 2.0 * weight_slope[0] * slope[0] + magnitude(w.uu) * g),
           widened(n.uv, weight_slope[0] * slope[1] + weight_slope[1] * slope[0] + magnitude(w.uv) * g),
           widened(n.vv, 2.0 * weight_slope[1] * slope[1] + magnitude(w.vv) * g)};
+}
+
+ThirdDerivatives polynomial_third(const NetShape& shape, const double* net) {
+  const int m = shape.degree_u;
+  const int n = shape.degree_v;
+  const int row = shape.stride();
+  const auto bend = [&](int at, int step) { return net[at + 2 * step] - 2.0 * net[at + step] + net[at]; };
+  ThirdDerivatives third;
+  third.signs_known = true;
+  third.uuu = range_of(m - 3, n, m * (m - 1.0) * (m - 2.0),
+                       [&](int i, int j) { return bend((i + 1) * row + j, row) - bend(i * row + j, row); });
+  third.uuv = range_of(m - 2, n - 1, m * (m - 1.0) * n,
+                       [&](int i, int j) { return bend(i * row + j + 1, row) - bend(i * row + j, row); });
+  third.uvv = range_of(m - 1, n - 2, n * (n - 1.0) * m,
+                       [&](int i, int j) { return bend((i + 1) * row + j, 1) - bend(i * row + j, 1); });
+  third.vvv = range_of(m, n - 3, n * (n - 1.0) * (n - 2.0),
+                       [&](int i, int j) { return bend(i * row + j + 1, 1) - bend(i * row + j, 1); });
+  third.any = magnitude(third.uuu) + 3.0 * magnitude(third.uuv) + 3.0 * magnitude(third.uvv) + magnitude(third.vvv);
+  return third;
+}
+
+/// Bounds of the derivatives of orders 1 to 3 along any directions with components up to 1.
+struct DirectionalBounds {
+  double first;
+  double second;
+  double third;
+};
+
+DirectionalBounds directional_bounds(const NetShape& shape, const double* net) {
+  const SecondDerivatives h = second_derivatives(shape, net);
+  return {steepness(shape, net).sum(), magnitude(h.uu) + 2.0 * magnitude(h.uv) + magnitude(h.vv),
+          polynomial_third(shape, net).any};
 }
 
 /// Value, first and second derivative of a Bezier polynomial at `s`; overwrites the coefficients.
@@ -192,9 +235,38 @@ bool has_one_to_one_gradient(const NetShape& shape, const double* net, const Int
   return diagonal.lo > mixed.hi || diagonal.hi < mixed.lo;
 }
 
+double ThirdDerivatives::along(const Vec2& axis) const {
+  if (!signs_known) return any;
+  const double a = axis[0];
+  const double b = axis[1];
+  const double factors[4] = {a * a * a, 3.0 * a * a * b, 3.0 * a * b * b, b * b * b};
+  Interval sum;
+  int k = 0;
+  for (const Interval& term : {uuu, uuv, uvv, vvv}) {
+    const double factor = factors[k++];
+    sum.lo += std::min(factor * term.lo, factor * term.hi);
+    sum.hi += std::max(factor * term.lo, factor * term.hi);
+  }
+  return magnitude(sum);
+}
+
+ThirdDerivatives third_derivatives(const NetShape& shape, const double* net, const Interval& range) {
+  if (!shape.rational) return polynomial_third(shape, net);
+  const DirectionalBounds n = directional_bounds(shape, centred(shape, net, range).data());
+  const double* weight = net + shape.count();
+  const DirectionalBounds w = directional_bounds(shape, weight);
+  const double least = *std::min_element(weight, weight + shape.count());
+  // Leibniz' rule on G = g w, solved for the derivatives of g in turn.
+  const double g = 0.5 * range.length();
+  const double first = (n.first + g * w.first) / least;
+  const double second = (n.second + 2.0 * first * w.first + g * w.second) / least;
+  ThirdDerivatives third;
+  third.any = (n.third + 3.0 * second * w.first + 3.0 * first * w.second + g * w.third) / least;
+  return third;
+}
+
 bool varies_more_in_u(const NetShape& shape, const double* net, const Interval& range) {
-  NetBuffer buffer;
-  const Vec2 slope = steepness(shape, shape.rational ? centred(shape, net, range, buffer) : net);
+  const Vec2 slope = shape.rational ? centred_steepness(shape, net, range.middle()) : steepness(shape, net);
   return slope[0] >= slope[1];
 }
 

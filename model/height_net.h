@@ -44,6 +44,20 @@ struct HeightJet {
 [[nodiscard]] bool has_one_to_one_gradient(const NetShape& shape, const double* net, const Interval& range,
                                            double rounding);
 
+/// Bounds of the height's third derivatives over a net.
+struct ThirdDerivatives {
+  double any = 0.0;  ///< of D^3 z[a, b, c] for all a, b, c with components up to 1
+  bool signs_known = false;
+  Interval uuu;  ///< only if `signs_known`, as the others
+  Interval uuv;
+  Interval uvv;
+  Interval vvv;
+
+  /// Bound of the third derivative along one direction with components up to 1.
+  [[nodiscard]] double along(const Vec2& axis) const;
+};
+[[nodiscard]] ThirdDerivatives third_derivatives(const NetShape& shape, const double* net, const Interval& range);
+
 /// Is the height more uneven along u than along v?
 [[nodiscard]] bool varies_more_in_u(const NetShape& shape, const double* net, const Interval& range);
 
