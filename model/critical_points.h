@@ -31,6 +31,7 @@ struct CriticalPoints {
 /// Every copy of a point in a periodic parameter counts. `uv` is accurate as Newton's method makes it, `z` to rounding.
 /// Levels hold the heights of their sets to 1e-7 mm. Poles and apexes, where S_u or S_v vanish, are only found where
 /// the height is stationary in every direction. Bounds or surfaces that aren't finite give nothing, not complete.
+/// Throws GeometryError for splines beyond kMaxDegree, and as rational_form() does for skew surfaces of revolution.
 [[nodiscard]] CriticalPoints find_critical_points(const Surface& surface, const Box2& uv_bounds);
 
 }  // namespace lamella
