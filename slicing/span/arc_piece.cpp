@@ -98,17 +98,6 @@ ArcPiece reversed(const ArcPiece& piece) {
   return result;
 }
 
-bool join_points(const SectionPoint& a, const SectionPoint& b, ArcPiece& piece) {
-  const Vec2 weight = chord_weight(a, b);
-  const double span = weight.dot(b.uv - a.uv);
-  if (!(span > 0.0)) return false;
-  const End from = end_of(a, weight, span);
-  const End to = end_of(b, weight, span);
-  if (!is_even(from, to, (b.xy - a.xy).norm())) return false;
-  piece = joined(from.xy, to.xy);
-  return true;
-}
-
 PieceFit fit_piece(const SectionSurface& surface, const Cell& cell, const SectionPoint& a, const SectionPoint& b) {
   PieceFit fit;
   fit.error = std::numeric_limits<double>::infinity();
@@ -122,7 +111,7 @@ PieceFit fit_piece(const SectionSurface& surface, const Cell& cell, const Sectio
   fit.piece = joined(from.xy, to.xy);
   const ArcPiece uv = joined(from.uv, to.uv);
   const Vec2 middle = uv.at(0.5);
-  const SurfacePoint2 at = surface.evaluate(middle, cell);
+  const SurfacePoint at = surface.evaluate_slopes(middle, cell);
   // Back to the height of the section without a change of the parameter.
   const Vec2 aside(-fit.weight[1], fit.weight[0]);
   const Vec3 move = at.du * aside[0] + at.dv * aside[1];

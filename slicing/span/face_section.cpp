@@ -97,7 +97,6 @@ void FaceSection::cut(double z, NodeTable& nodes, Section& out, SectionCounters&
   const auto band = face_->band_of(z);
   if (!band) return;
   entered_ = band != band_;
-  layers_in_band_ = entered_ ? 0 : layers_in_band_ + 1;
   if (entered_) enter_band(*band, z, nodes, counters);
   const std::size_t before = out.arcs.size();
   switch (face_->kind) {
@@ -293,7 +292,7 @@ void FaceSection::cut_arc(Family& family, const FacePoint& begin, const FacePoin
     return;
   }
   if (!carried.empty() &&
-      carry(face_->surface, face_->sign, begin.point, end.point, z, limits_, measures_now(), carried)) {
+      carry(face_->surface, face_->sign, begin.point, end.point, z, limits_, carried)) {
     append(begin.node, end.node, carried.arc.pieces, out);
     return;
   }
@@ -355,7 +354,7 @@ void FaceSection::cut_loop(Family& family, double z, Section& out, SectionCounte
   CarriedArc& carried = family.carried;
   if (seed.usable && !carried.empty() &&
       (carried.z == z ||
-       carry(face_->surface, face_->sign, seed.point, seed.point, z, limits_, measures_now(), carried))) {
+       carry(face_->surface, face_->sign, seed.point, seed.point, z, limits_, carried))) {
     append(seed.node, seed.node, carried.arc.pieces, out);
     return;
   }

@@ -86,7 +86,6 @@ class FaceSection {
   [[nodiscard]] static bool passes_near(const TracedArc& arc, const Vec2& xy);
   void cut_arc(Family& family, const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters);
   [[nodiscard]] FacePoint layer_point(std::uint32_t use, double z, double inner, NodeTable& nodes) const;
-  [[nodiscard]] bool measures_now() const { return entered_ || layers_in_band_ % kMeasuredLayers == 0; }
   /// An arc that can't be followed from end to end: both ways as far as they come nearest, and a chord between.
   void bridge(const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters);
   /// Distance of the face from the middle of the chord between two of its points, mm.
@@ -110,12 +109,8 @@ class FaceSection {
   const FaceModel* face_;
   const EdgePieces* edges_;
   TraceLimits limits_;
-  /// Pieces of carried arcs are measured against the surface on every layer of this number, and in a new band.
-  static constexpr int kMeasuredLayers = 4;
-
   std::optional<std::size_t> band_;
   bool entered_ = false;  ///< this layer is the first in its band
-  int layers_in_band_ = 0;
   std::vector<Family> families_;
   TracedArc traced_;
   TracedArc backward_;

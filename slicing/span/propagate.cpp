@@ -33,9 +33,8 @@ Vec2 step_for(const SurfacePoint& at, int axis, double dz) {
 
 class Carrier {
  public:
-  Carrier(const SectionSurface& surface, double sign, double z, const TraceLimits& limits, bool measure,
-          CarriedArc& carried)
-      : surface_(surface), sign_(sign), z_(z), limits_(limits), measure_(measure), carried_(carried) {}
+  Carrier(const SectionSurface& surface, double sign, double z, const TraceLimits& limits, CarriedArc& carried)
+      : surface_(surface), sign_(sign), z_(z), limits_(limits), carried_(carried) {}
 
   bool run(const SectionPoint& begin, const SectionPoint& end) {
     const std::size_t last = carried_.arc.pieces.size();
@@ -178,7 +177,6 @@ class Carrier {
 
   bool fits(const Place& a, const SectionPoint& end, ArcPiece& piece) const {
     if (!(a.point.tangent.dot(end.tangent) > std::cos(kLargestTurn))) return false;
-    if (!measure_) return join_points(a.point, end, piece);
     const PieceFit fit = fit_piece(surface_, a.cell, a.point, end);
     piece = fit.piece;
     return fit.error <= 2.0 * limits_.tolerance;
@@ -202,7 +200,6 @@ class Carrier {
   double sign_;
   double z_;
   const TraceLimits& limits_;
-  bool measure_;
   CarriedArc& carried_;
   std::vector<Place> places_;
 };
@@ -217,8 +214,8 @@ void CarriedArc::start(double height) {
 }
 
 bool carry(const SectionSurface& surface, double sign, const SectionPoint& begin, const SectionPoint& end, double z,
-           const TraceLimits& limits, bool measure, CarriedArc& carried) {
-  return Carrier(surface, sign, z, limits, measure, carried).run(begin, end);
+           const TraceLimits& limits, CarriedArc& carried) {
+  return Carrier(surface, sign, z, limits, carried).run(begin, end);
 }
 
 }  // namespace lamella::span

@@ -28,12 +28,16 @@ class BezierNets {
   [[nodiscard]] const std::vector<double>& breaks_u() const { return breaks_u_; }
   [[nodiscard]] const std::vector<double>& breaks_v() const { return breaks_v_; }
   [[nodiscard]] SurfacePoint2 evaluate(const Vec2& uv, const Cell& cell) const;
+  [[nodiscard]] SurfacePoint evaluate_slopes(const Vec2& uv, const Cell& cell) const;
   /// For nets of a curve.
   [[nodiscard]] CurvePoint2<3> evaluate(double t, int cell) const;
 
  private:
+  [[nodiscard]] const Vec4* net_of(const Cell& cell) const;
+
   int degree_u_ = 0;
   int degree_v_ = 0;
+  bool rational_ = false;
   std::vector<double> breaks_u_;
   std::vector<double> breaks_v_;
   std::vector<Vec4> poles_;  ///< net of cell (i, j) begins at (i * cells_v + j) * (degree_u + 1) * (degree_v + 1)
@@ -48,6 +52,8 @@ class SectionSurface {
   explicit SectionSurface(const Surface& surface);
 
   [[nodiscard]] SurfacePoint2 evaluate(const Vec2& uv, const Cell& cell) const;
+  /// Without second derivatives, for less.
+  [[nodiscard]] SurfacePoint evaluate_slopes(const Vec2& uv, const Cell& cell) const;
 
   /// The cell that holds `uv`; on a break the one that a step along `heading` enters.
   [[nodiscard]] Cell find_cell(const Vec2& uv, const Vec2& heading) const;
