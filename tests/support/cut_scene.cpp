@@ -100,6 +100,12 @@ std::vector<Interval> spans_of(const SpanRows& rows, std::size_t row, SolidId so
   return spans;
 }
 
+std::vector<Interval> spans_of_all(const SpanRows& rows) {
+  std::vector<Interval> spans;
+  for (const Span& span : rows.spans) spans.push_back({span.begin, span.end});
+  return spans;
+}
+
 std::vector<Interval> merged(std::vector<Interval> spans, double slack) {
   std::erase_if(spans, [&](const Interval& span) { return span.length() <= slack; });
   std::sort(spans.begin(), spans.end(), [](const Interval& a, const Interval& b) { return a.lo < b.lo; });

@@ -34,6 +34,8 @@ namespace lamella::test {
 
 /// The spans of one solid on a row.
 [[nodiscard]] std::vector<Interval> spans_of(const SpanRows& rows, std::size_t row, SolidId solid);
+/// The spans of all rows and solids, one after the other.
+[[nodiscard]] std::vector<Interval> spans_of_all(const SpanRows& rows);
 /// Spans without those of at most `slack` mm, joined over gaps of at most `slack`.
 [[nodiscard]] std::vector<Interval> merged(std::vector<Interval> spans, double slack);
 
