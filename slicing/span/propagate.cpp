@@ -139,7 +139,7 @@ class Carrier {
   bool join(const Place& a, const Place& b, int halvings) {
     SectionPoint end = b.point;
     // The end of this piece as its own cell sees it.
-    if (!(a.cell == b.cell) && !surface_.is_smooth()) {
+    if (!(a.cell == b.cell)) {
       end = section_point(surface_.evaluate(end.uv, a.cell), end.uv, sign_);
       end.z = z_;
     }

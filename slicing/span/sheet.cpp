@@ -20,6 +20,9 @@ constexpr std::array<double, 2> kProbes{-0.35, 0.9};
 
 constexpr double kLargestTurn = 0.7;  // radians between neighbouring points
 
+/// Accepted error, in tolerances: tracing keeps to one, so that a run has room for the interpolation.
+constexpr double kAccepted = 4.0;
+
 /// Corrections up to this share of a piece are taken from the second derivatives, to third order.
 constexpr double kExactShift = 1e-4;
 
@@ -64,21 +67,16 @@ class Builder {
     points_ = start.points;
     const std::size_t pieces = start.pieces.size();
     numbers_.resize(pieces * kNumbers);
-    middles_.resize(pieces * 2);
+    middles_.resize(pieces * 2 * kMeasured.size());
     ways_.resize(points_.size());
-    for (std::size_t i = 1; i < pieces; ++i) {
-      const Vec2 rise = rise_of(points_[i], start.axes[i]);
-      ways_[i] = {rise, {0.0}};
-      ways_[i].travel[0] = 0.0;
-    }
+    for (std::size_t i = 1; i < pieces; ++i) ways_[i].direction = rise_of(points_[i], start.axes[i]);
+    find_anchors();
     if (!take_pieces(0)) return false;
     for (int j = 1; j < kNodes; ++j) {
       const double z = height(kPlaces[j]);
       SectionPoint begin, end;
       if (!ends_at(z, begin, end) || !place_end(0, begin, z) || !place_end(pieces, end, z)) return false;
-      for (std::size_t i = 1; i < pieces; ++i) {
-        if (!move_point(i, j, z)) return false;
-      }
+      if (!move_points(j, z)) return false;
       if (!take_pieces(j)) return false;
     }
     if (!measure()) return false;
@@ -88,11 +86,50 @@ class Builder {
   }
 
  private:
-  /// A point's straight way in (u, v): start + travel * direction.
+  /// A point's straight way in (u, v): start + travel * direction. A point between two anchors is taken along by them,
+  /// so that an arc whose ends slide keeps its points evenly spaced.
   struct Way {
     Vec2 direction = Vec2::Zero();
     NodeValues travel{};
+    std::size_t before = 0;  ///< anchors: ends of the arc and points on cell limits
+    std::size_t after = 0;
+    double share = 0.0;  ///< of `after`
   };
+
+  void find_anchors() {
+    const TracedArc& arc = carried_.arc;
+    const std::size_t last = arc.pieces.size();
+    // A loop within the face has one end only; what that does says nothing of the others.
+    const bool is_loop = (arc.points.front().uv - arc.points.back().uv).norm() < 1e-9;
+    for (std::size_t first = 0; first < last;) {
+      std::size_t next = first + 1;
+      while (next < last && arc.axes[next] < 0) ++next;
+      for (std::size_t i = first + 1; i < next && !is_loop; ++i) {
+        ways_[i].before = first;
+        ways_[i].after = next;
+        ways_[i].share = static_cast<double>(i - first) / static_cast<double>(next - first);
+      }
+      first = next;
+    }
+  }
+
+  bool move_points(int node, double z) {
+    const std::vector<std::int8_t>& axes = carried_.arc.axes;
+    for (const bool anchors : {true, false}) {
+      for (std::size_t i = 1; i < carried_.arc.pieces.size(); ++i) {
+        if ((axes[i] >= 0) == anchors && !move_point(i, node, z)) return false;
+      }
+    }
+    return true;
+  }
+
+  /// How far its anchors take a point along.
+  [[nodiscard]] Vec2 taken(const Way& way) const {
+    if (way.after == way.before) return Vec2::Zero();
+    const std::vector<SectionPoint>& from = carried_.arc.points;
+    return (1.0 - way.share) * (points_[way.before].uv - from[way.before].uv) +
+           way.share * (points_[way.after].uv - from[way.after].uv);
+  }
 
   [[nodiscard]] double height(double place) const {
     return 0.5 * (low_ + high_) + 0.5 * (high_ - low_) * place;
@@ -113,10 +150,11 @@ class Builder {
 
   bool move_point(std::size_t i, int node, double z) {
     Way& way = ways_[i];
-    const Vec2& from = carried_.arc.points[i].uv;
+    const Vec2 from = carried_.arc.points[i].uv + taken(way);
     const Cell& cell = carried_.arc.cells[i];
     const double scale = (points_[i].xy - points_[i - 1].xy).norm();
-    double travel = node == 1 ? z - low_ : extrapolate(way.travel.data(), node);
+    // The first guess of a point that is taken along: what it lacks in height.
+    double travel = node == 1 ? (way.after == way.before ? z - low_ : 0.0) : extrapolate(way.travel.data(), node);
     SurfacePoint2 at;
     double step = 0.0;
     for (int attempt = 0;; ++attempt) {
@@ -154,19 +192,22 @@ class Builder {
     for (std::size_t i = 0; i < cells.size(); ++i) {
       const SectionPoint& a = points_[i];
       SectionPoint b = points_[i + 1];
-      if (i + 1 < cells.size() && !(cells[i] == cells[i + 1]) && !surface_.is_smooth()) {
+      if (i + 1 < cells.size() && !(cells[i] == cells[i + 1])) {
         b = section_point(surface_.evaluate(b.uv, cells[i]), b.uv, sign_);
       }
       if (!(a.tangent.dot(b.tangent) > std::cos(kLargestTurn))) return false;
       ArcPiece piece;
-      Vec2 middle;
-      if (!join_points(a, b, piece, middle)) return false;
+      ArcPiece uv;
+      if (!join_points(a, b, piece, uv)) return false;
       for (int k = 0; k < 6; ++k) {
         numbers_[i * kNumbers + k][node] = piece.x[k];
         numbers_[i * kNumbers + 6 + k][node] = piece.y[k];
       }
-      middles_[2 * i][node] = middle[0];
-      middles_[2 * i + 1][node] = middle[1];
+      for (std::size_t m = 0; m < kMeasured.size(); ++m) {
+        const Vec2 at = uv.at(kMeasured[m]);
+        middles_[2 * (kMeasured.size() * i + m)][node] = at[0];
+        middles_[2 * (kMeasured.size() * i + m) + 1][node] = at[1];
+      }
     }
     return true;
   }
@@ -174,21 +215,26 @@ class Builder {
   bool measure() {
     for (NodeValues& values : numbers_) values = monomials(values);
     for (NodeValues& values : middles_) values = monomials(values);
-    for (const double place : kProbes) {
-      for (std::size_t i = 0; i < carried_.arc.cells.size(); ++i) {
-        if (!(error_at(i, place) <= 2.0 * limits_.tolerance)) return false;
+    const std::vector<Cell>& cells = carried_.arc.cells;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      const bool crosses = surface_.crosses_knot(points_[i].uv, points_[i + 1].uv, cells[i]);
+      for (std::size_t m = 0; m < (crosses ? kMeasured.size() : 1); ++m) {
+        for (const double place : kProbes) {
+          if (!(error_at(i, m, place) <= kAccepted * limits_.tolerance)) return false;
+        }
       }
     }
     return true;
   }
 
-  /// Horizontal distance of the middle of a piece from the surface, to first order about the point with its (u, v).
-  [[nodiscard]] double error_at(std::size_t piece, double place) const {
-    const Vec2 uv(value_at(middles_[2 * piece], place), value_at(middles_[2 * piece + 1], place));
+  /// Horizontal distance of a measured place of a piece from the surface, to first order about the point of its (u, v).
+  [[nodiscard]] double error_at(std::size_t piece, std::size_t measured, double place) const {
+    const NodeValues* middle = &middles_[2 * (kMeasured.size() * piece + measured)];
+    const Vec2 uv(value_at(middle[0], place), value_at(middle[1], place));
     const SurfacePoint at = surface_.evaluate_slopes(uv, carried_.arc.cells[piece]);
     Vec3 point(0.0, 0.0, height(place));
     double power = 1.0;
-    for (int k = 0; k < 6; ++k, power *= 0.5) {
+    for (int k = 0; k < 6; ++k, power *= kMeasured[measured]) {
       point.x() += power * value_at(numbers_[piece * kNumbers + k], place);
       point.y() += power * value_at(numbers_[piece * kNumbers + 6 + k], place);
     }
@@ -225,7 +271,7 @@ class Builder {
   std::vector<SectionPoint> points_;  ///< at the node being worked on
   std::vector<Way> ways_;
   std::vector<NodeValues> numbers_;
-  std::vector<NodeValues> middles_;  ///< (u, v) in the middle of each piece
+  std::vector<NodeValues> middles_;  ///< (u, v) at the measured places of each piece
 };
 
 }  // namespace
