@@ -66,7 +66,7 @@ double bytes_in(const fs::path& path) {
 
 /// Runs one block and adds what it took.
 void run_block(const Session& session, const SliceRequest& request, const Assembly& assembly, const LayerPlan& block,
-               const CastFunction& cast, Estimate& sum) {
+               const SlabEngine& engine, Estimate& sum) {
   const ScratchFolder scratch;
   TeeSink tee;
   std::vector<fs::path> places;
@@ -75,7 +75,7 @@ void run_block(const Session& session, const SliceRequest& request, const Assemb
     tee.add(make_sink({output.format, places.back()}, request.format));
   }
   const Stopwatch watch;
-  (void)slice_with(cast, assembly.scene, assembly.table, assembly.measures, block, request.slice, tee,
+  (void)slice_with(engine, assembly.scene, assembly.table, assembly.measures, block, request.slice, tee,
                    session.progress());
   sum.seconds += watch.seconds();
   sum.sampled_layers += block.layers.size();
@@ -84,16 +84,16 @@ void run_block(const Session& session, const SliceRequest& request, const Assemb
 
 /// Blocks of up to `count` layers around 1/6, 1/2 and 5/6 of the height, or all layers when they are that few.
 Estimate run_sample(const Session& session, const SliceRequest& request, const Assembly& assembly,
-                    const LayerPlan& plan, const CastFunction& cast, std::size_t count) {
+                    const LayerPlan& plan, const SlabEngine& engine, std::size_t count) {
   Estimate estimate;
   for (const Output& output : request.outputs) estimate.outputs.push_back({output, 0.0});
   const std::size_t layers = plan.layers.size();
   if (layers <= kBlocks * count) {
-    run_block(session, request, assembly, plan, cast, estimate);
+    run_block(session, request, assembly, plan, engine, estimate);
   } else {
     for (std::size_t b = 0; b < kBlocks; ++b) {
       const std::size_t first = (2 * b + 1) * layers / (2 * kBlocks) - count / 2;
-      run_block(session, request, assembly, block_plan(plan, first, count), cast, estimate);
+      run_block(session, request, assembly, block_plan(plan, first, count), engine, estimate);
     }
   }
   const double scale = static_cast<double>(layers) / static_cast<double>(estimate.sampled_layers);
@@ -109,11 +109,11 @@ Estimate run_sample(const Session& session, const SliceRequest& request, const A
 }  // namespace
 
 Estimate estimate_run(const Session& session, const SliceRequest& request, const Assembly& assembly,
-                      const LayerPlan& plan, const CastFunction& cast) {
+                      const LayerPlan& plan, const SlabEngine& engine) {
   const Stopwatch watch;
-  Estimate first = run_sample(session, request, assembly, plan, cast, kFewLayers);
+  Estimate first = run_sample(session, request, assembly, plan, engine, kFewLayers);
   if (watch.seconds() > kPatience || first.sampled_layers == plan.layers.size()) return first;
-  return run_sample(session, request, assembly, plan, cast, kManyLayers);
+  return run_sample(session, request, assembly, plan, engine, kManyLayers);
 }
 
 Json estimate_json(const Estimate& estimate, const LayerPlan& plan) {

@@ -93,6 +93,7 @@ SliceRequest read_slice_request(const CLI::App& verb, const std::vector<std::str
   request.format = read_format_options(verb);
   request.plan = read_plan(verb);
   request.policy = read_overlap_policy(verb);
+  request.slice.engine = EngineKind::reference;
   request.slice.reference = read_engine_options(verb);
   request.slice.allow_open = verb.count("--allow-open") > 0;
   request.dry_run = verb.count("--dry-run") > 0;

@@ -104,23 +104,6 @@ void add_pair(std::vector<PairLength>& pairs, SolidId a, SolidId b, double lengt
   pairs.push_back({std::min(a, b), std::max(a, b), length});
 }
 
-/// Sums the entries of each pair, in the order along the row.
-void collect_pairs(std::vector<PairLength>& pairs) {
-  if (pairs.size() < 2) return;
-  std::stable_sort(pairs.begin(), pairs.end(), [](const PairLength& a, const PairLength& b) {
-    return std::pair(a.first, a.second) < std::pair(b.first, b.second);
-  });
-  std::size_t kept = 0;
-  for (std::size_t i = 1; i < pairs.size(); ++i) {
-    if (pairs[i].first == pairs[kept].first && pairs[i].second == pairs[kept].second) {
-      pairs[kept].length += pairs[i].length;
-    } else {
-      pairs[++kept] = pairs[i];
-    }
-  }
-  pairs.resize(kept + 1);
-}
-
 /// Distance within which the face `left` leaves by and the one `right` enters by touch: the larger of their own.
 double gap_tolerance(const Span& left, const Span& right, const CombineRules& rules) {
   double widest = rules.gap_tolerance;
@@ -229,6 +212,22 @@ IdVector<SolidId, int> rank_solids(const Scene& scene, const MaterialTable& tabl
   IdVector<SolidId, int> rank(scene.solids.size());
   for (std::size_t i = 0; i < order.size(); ++i) rank[order[i]] = static_cast<int>(i);
   return rank;
+}
+
+void collect_pairs(std::vector<PairLength>& pairs) {
+  if (pairs.size() < 2) return;
+  std::stable_sort(pairs.begin(), pairs.end(), [](const PairLength& a, const PairLength& b) {
+    return std::pair(a.first, a.second) < std::pair(b.first, b.second);
+  });
+  std::size_t kept = 0;
+  for (std::size_t i = 1; i < pairs.size(); ++i) {
+    if (pairs[i].first == pairs[kept].first && pairs[i].second == pairs[kept].second) {
+      pairs[kept].length += pairs[i].length;
+    } else {
+      pairs[++kept] = pairs[i];
+    }
+  }
+  pairs.resize(kept + 1);
 }
 
 void combine_row(std::span<const Span> spans, const CombineRules& rules, CombinedRow& out) {

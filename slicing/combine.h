@@ -27,6 +27,9 @@ struct PairLength {
   bool operator==(const PairLength&) const = default;
 };
 
+/// Leaves one entry a pair, ids ascending, with the sum of its lengths in the order in which they came.
+void collect_pairs(std::vector<PairLength>& pairs);
+
 /// How one row's spans become segments (docs/methods/layers.md).
 struct CombineRules {
   const MaterialTable* table = nullptr;       ///< not owned; material, priority and overlap policy

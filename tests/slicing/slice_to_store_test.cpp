@@ -56,6 +56,7 @@ struct Assembly {
 
   SliceReport slice_into(LayerSink& sink, int threads, const Progress& progress = {}) const {
     SliceOptions options;
+    options.engine = EngineKind::reference;
     options.threads = threads;
     return slice(scene, table, measures, plan, options, sink, progress);
   }
