@@ -84,9 +84,7 @@ class RayCaster {
     engine_.cast_all(ray, up_of(ray), result.casts, result.counters);
     std::vector<Span> spans;
     for (const SolidCast& cast : result.casts) spans.insert(spans.end(), cast.spans.begin(), cast.spans.end());
-    CombinedRow row;
-    combine_row(spans, rules_, row);
-    result.segments = std::move(row.segments);
+    RowCombiner().combine(spans, rules_, result.segments);
     return result;
   }
 

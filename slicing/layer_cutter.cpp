@@ -30,16 +30,6 @@ void begin_layer(const LayerPlan& plan, std::size_t index, const LayerRequest& r
   layer.hatch->first_row = request.lattices.back().first_row;
 }
 
-void clear_rows(SegmentRows& rows) {
-  rows.row_start.assign(1, 0);
-  rows.segments.clear();
-}
-
-void append_row(SegmentRows& rows, const std::vector<Segment>& segments) {
-  rows.segments.insert(rows.segments.end(), segments.begin(), segments.end());
-  rows.row_start.push_back(rows.segments.size());
-}
-
 }  // namespace
 
 LayerCutter::LayerCutter(const SlabFunction& engine, const Scene& scene, const MaterialTable& table,
@@ -105,24 +95,33 @@ void LayerCutter::cut(std::size_t first_layer, std::span<CutLayer> out, Workspac
   }
 }
 
+/// Calls measure(spans, segments) behind every row.
+template <class Measure>
+void LayerCutter::combine_rows(const SpanRows& spans, Workspace& workspace, SegmentRows& out,
+                               const Measure& measure) const {
+  out.row_start.assign(1, 0);
+  out.segments.clear();
+  for (std::size_t r = 0; r < spans.rows(); ++r) {
+    workspace.row.combine(spans.row(r), rules_, out.segments);
+    measure(spans.row(r), std::span<const Segment>(out.segments).subspan(out.row_start.back()));
+    out.row_start.push_back(out.segments.size());
+  }
+}
+
 void LayerCutter::combine(const LayerRequest& request, const LayerSpans& spans, Workspace& workspace,
                           CutLayer& out) const {
   check_layer_spans(request, spans);
   out.cast = spans.cast;
   begin_layer(plan_, request.layer, request, out.layer);
   workspace.sums.clear(limits_.solids, limits_.materials);
-  clear_rows(out.layer.raster);
-  for (std::size_t r = 0; r < spans.lattices[0].rows(); ++r) {
-    combine_row(spans.lattices[0].row(r), rules_, workspace.row);
-    append_row(out.layer.raster, workspace.row.segments);
-    workspace.sums.add(spans.lattices[0].row(r), workspace.row);
-  }
+  combine_rows(spans.lattices[0], workspace, out.layer.raster,
+               [&](std::span<const Span> row, std::span<const Segment> segments) {
+                 workspace.sums.add(row, segments, workspace.row);
+               });
   workspace.sums.write(out.lengths);
-  if (!plan_.hatch) return;
-  clear_rows(out.layer.hatch->rows);
-  for (std::size_t r = 0; r < spans.lattices[1].rows(); ++r) {
-    combine_row(spans.lattices[1].row(r), rules_, workspace.row);
-    append_row(out.layer.hatch->rows, workspace.row.segments);
+  if (plan_.hatch) {
+    combine_rows(spans.lattices[1], workspace, out.layer.hatch->rows,
+                 [](std::span<const Span>, std::span<const Segment>) {});
   }
 }
 

@@ -27,7 +27,7 @@ class LayerCutter {
   struct Workspace {
     std::vector<LayerRequest> requests;
     std::vector<LayerSpans> spans;
-    CombinedRow row;
+    RowCombiner row;
     LengthSums sums;
   };
 
@@ -43,6 +43,8 @@ class LayerCutter {
  private:
   [[nodiscard]] LayerRequest request_of(std::size_t layer) const;
   [[nodiscard]] RowLattice hatch_lattice(std::size_t layer) const;
+  template <class Measure>
+  void combine_rows(const SpanRows& spans, Workspace& workspace, SegmentRows& out, const Measure& measure) const;
   void combine(const LayerRequest& request, const LayerSpans& spans, Workspace& workspace, CutLayer& out) const;
 
   const SlabFunction& engine_;

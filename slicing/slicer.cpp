@@ -9,6 +9,7 @@
 
 #include "core/ordered_pipeline.h"
 #include "core/parallel.h"
+#include "slicing/interface_policy.h"
 #include "slicing/layer_cutter.h"
 #include "slicing/tally.h"
 
@@ -21,7 +22,7 @@ constexpr std::size_t kSlabsPerThread = 2;
 
 /// Under the interface policies an overlap is shared along +x, which only hatch rows along +x see alike.
 void check_policy(const MaterialTable& table, const LayerPlan& plan) {
-  if (!plan.hatch || table.policy == OverlapPolicy::priority || table.policy == OverlapPolicy::error) return;
+  if (!plan.hatch || !has_interfaces(table.policy)) return;
   for (std::size_t layer = 0; layer < plan.layers.size(); ++layer) {
     if (hatch_axes(*plan.hatch, layer).along == Vec2::UnitX()) continue;
     throw UsageError("the overlap policies entry, exit and average need hatch rows along +x", {},
