@@ -7,6 +7,7 @@
 #include "apps/slice_options.h"
 #include "apps/slice_report.h"
 #include "apps/stopwatch.h"
+#include "apps/timed_sink.h"
 #include "apps/verbs.h"
 #include "core/atomic_file.h"
 #include "slicing/slicer.h"
@@ -18,34 +19,6 @@ namespace {
 /// Solids that are left out count for the lattice too, so that it doesn't depend on --allow-open; but not where a
 /// broken one claims to be larger than 1000 km.
 constexpr double kFarthest = 1e9;  // mm
-
-/// Adds up the time that another sink takes. Calls don't overlap (LayerSink).
-class TimedSink final : public LayerSink {
- public:
-  explicit TimedSink(LayerSink& sink) : sink_(sink) {}
-  void begin(const BuildInfo& info) override {
-    timed([&] { sink_.begin(info); });
-  }
-  void write(const Layer& layer) override {
-    timed([&] { sink_.write(layer); });
-  }
-  void finish(const SliceReport& report) override {
-    timed([&] { sink_.finish(report); });
-  }
-  void abandon() noexcept override { sink_.abandon(); }
-
-  [[nodiscard]] double seconds() const { return seconds_; }
-
- private:
-  void timed(const auto& call) {
-    const Stopwatch watch;
-    call();
-    seconds_ += watch.seconds();
-  }
-
-  LayerSink& sink_;
-  double seconds_ = 0.0;
-};
 
 Box3 bounds_of(const Assembly& assembly) {
   Box3 bounds;
