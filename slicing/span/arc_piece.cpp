@@ -55,6 +55,11 @@ double value_at(const std::array<double, 6>& c, double t) {
 
 ArcPiece joined(const EndData& a, const EndData& b) { return {quintic(a, b, 0), quintic(a, b, 1)}; }
 
+/// The quintic at t = 1/2.
+Vec2 middle_of(const EndData& a, const EndData& b) {
+  return 0.5 * (a.value + b.value) + (5.0 / 32.0) * (a.slope - b.slope) + (1.0 / 64.0) * (a.bend + b.bend);
+}
+
 Vec2 chord_weight(const SectionPoint& a, const SectionPoint& b) {
   const Vec2 step = b.uv - a.uv;
   const double e = 0.5 * (a.metric[0] + b.metric[0]);
@@ -98,6 +103,18 @@ ArcPiece reversed(const ArcPiece& piece) {
   return result;
 }
 
+bool join_points(const SectionPoint& a, const SectionPoint& b, ArcPiece& piece, Vec2& middle) {
+  const Vec2 weight = chord_weight(a, b);
+  const double span = weight.dot(b.uv - a.uv);
+  if (!(span > 0.0)) return false;
+  const End from = end_of(a, weight, span);
+  const End to = end_of(b, weight, span);
+  if (!is_even(from, to, (b.xy - a.xy).norm())) return false;
+  piece = joined(from.xy, to.xy);
+  middle = middle_of(from.uv, to.uv);
+  return true;
+}
+
 PieceFit fit_piece(const SectionSurface& surface, const Cell& cell, const SectionPoint& a, const SectionPoint& b) {
   PieceFit fit;
   fit.error = std::numeric_limits<double>::infinity();
@@ -109,9 +126,8 @@ PieceFit fit_piece(const SectionSurface& surface, const Cell& cell, const Sectio
   const double length = (b.xy - a.xy).norm();
   if (!is_even(from, to, length)) return fit;
   fit.piece = joined(from.xy, to.xy);
-  const ArcPiece uv = joined(from.uv, to.uv);
-  const Vec2 middle = uv.at(0.5);
-  const SurfacePoint2 at = surface.evaluate(middle, cell);
+  const Vec2 middle = middle_of(from.uv, to.uv);
+  const SurfacePoint at = surface.evaluate_slopes(middle, cell);
   // Back to the height of the section without a change of the parameter.
   const Vec2 aside(-fit.weight[1], fit.weight[0]);
   const Vec3 move = at.du * aside[0] + at.dv * aside[1];

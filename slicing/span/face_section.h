@@ -2,10 +2,13 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "slicing/span/face_model.h"
+#include "slicing/span/propagate.h"
 #include "slicing/span/section.h"
+#include "slicing/span/sheet.h"
 #include "slicing/span/tracer.h"
 
 namespace lamella::span {
@@ -40,10 +43,12 @@ class NodeTable {
 /// one layer to the next.
 class FaceSection {
  public:
-  FaceSection(const Scene& scene, const FaceModel& face, const EdgePieces& edges, const TraceLimits& limits);
+  /// `heights` are all layers to come, ascending; they must outlive this.
+  FaceSection(const Scene& scene, const FaceModel& face, const EdgePieces& edges, const TraceLimits& limits,
+              std::span<const double> heights);
 
-  /// Appends the face's arcs at height z, the height that `nodes` has been set to.
-  void cut(double z, NodeTable& nodes, Section& out, SectionCounters& counters);
+  /// Appends the face's arcs on one of the heights, the one that `nodes` has been set to.
+  void cut(std::size_t layer, NodeTable& nodes, Section& out, SectionCounters& counters);
 
  private:
   /// An arc as it goes through a band: from one use to another, or a loop from a cut.
@@ -52,6 +57,9 @@ class FaceSection {
     std::uint32_t end = 0;
     std::int32_t cut = -1;  ///< of a loop: index of the cut line and of its piece
     std::uint32_t cut_piece = 0;
+    CarriedArc carried;  ///< what the last layer left
+    Sheet sheet;
+    std::size_t next_sheet = 0;  ///< layer from which another sheet may be tried
     double sweep = 0.0;  ///< circles: angle at `z`, positive
     double z = 0.0;
   };
@@ -64,7 +72,7 @@ class FaceSection {
     bool usable = false;
   };
 
-  void enter_band(std::size_t band, NodeTable& nodes, SectionCounters& counters);
+  void enter_band(std::size_t band, double z, NodeTable& nodes, SectionCounters& counters);
   void pair_plane(double z, const NodeTable& nodes);
   void pair_sphere(double z, const NodeTable& nodes);
   void pair_traced(double z, const NodeTable& nodes);
@@ -79,12 +87,18 @@ class FaceSection {
   void cut_plane(double z, NodeTable& nodes, Section& out) const;
   void cut_sphere(double z, NodeTable& nodes, Section& out);
   void cut_traced(double z, NodeTable& nodes, Section& out, SectionCounters& counters);
-  void cut_arc(const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters);
+  void carry_families(double z, NodeTable& nodes, SectionCounters& counters);
+  void drop_pierced_families(double inner, NodeTable& nodes);
+  [[nodiscard]] static bool passes_near(const TracedArc& arc, const Vec2& xy);
+  void cut_arc(Family& family, const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters);
+  [[nodiscard]] FacePoint layer_point(std::uint32_t use, double z, double inner, NodeTable& nodes) const;
   /// An arc that can't be followed from end to end: both ways as far as they come nearest, and a chord between.
+  bool cut_by_sheet(const Family& family, double inner, NodeTable& nodes, Section& out) const;
+  void try_sheet(Family& family, double inner, const NodeTable& nodes, SectionCounters& counters);
   void bridge(const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters);
   /// Distance of the face from the middle of the chord between two of its points, mm.
   [[nodiscard]] double height_off(const SectionPoint& a, const SectionPoint& b) const;
-  void cut_loop(const Family& family, double z, Section& out, SectionCounters& counters);
+  void cut_loop(Family& family, double z, Section& out, SectionCounters& counters);
 
   [[nodiscard]] double inner_height(double z) const;
   [[nodiscard]] FacePoint face_point(const PieceUse& use, const Node& node, double z) const;
@@ -95,7 +109,7 @@ class FaceSection {
   [[nodiscard]] bool is_whole_circle(double z) const;
   [[nodiscard]] double sweep_between(const Vec2& begin, const Vec2& end) const;
   double follow_sweep(Family& family, double z, const NodeTable& nodes) const;
-  void append(const Vec2& begin, const Vec2& end, const TracedArc& arc, Section& out) const;
+  void append(const Vec2& begin, const Vec2& end, const std::vector<ArcPiece>& pieces, Section& out) const;
   void append_chord(const Vec2& begin, const Vec2& end, const Vec2& from, const Vec2& to, bool doubtful,
                     Section& out) const;
 
@@ -103,7 +117,10 @@ class FaceSection {
   const FaceModel* face_;
   const EdgePieces* edges_;
   TraceLimits limits_;
+  std::span<const double> heights_;
+  std::size_t layer_ = 0;
   std::optional<std::size_t> band_;
+  bool entered_ = false;  ///< this layer is the first in its band
   std::vector<Family> families_;
   TracedArc traced_;
   TracedArc backward_;
@@ -120,6 +137,7 @@ class FaceSection {
   std::vector<FacePoint> points_;  ///< one a use
   std::vector<std::uint8_t> is_paired_;
   std::vector<CutRoot> roots_;
+  std::vector<SectionPoint> end_points_;  ///< of the arcs on this layer, behind a place for a loop's seed
 };
 
 }  // namespace lamella::span

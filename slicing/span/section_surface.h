@@ -28,12 +28,16 @@ class BezierNets {
   [[nodiscard]] const std::vector<double>& breaks_u() const { return breaks_u_; }
   [[nodiscard]] const std::vector<double>& breaks_v() const { return breaks_v_; }
   [[nodiscard]] SurfacePoint2 evaluate(const Vec2& uv, const Cell& cell) const;
+  [[nodiscard]] SurfacePoint evaluate_slopes(const Vec2& uv, const Cell& cell) const;
   /// For nets of a curve.
   [[nodiscard]] CurvePoint2<3> evaluate(double t, int cell) const;
 
  private:
+  [[nodiscard]] const Vec4* net_of(const Cell& cell) const;
+
   int degree_u_ = 0;
   int degree_v_ = 0;
+  bool rational_ = false;
   std::vector<double> breaks_u_;
   std::vector<double> breaks_v_;
   std::vector<Vec4> poles_;  ///< net of cell (i, j) begins at (i * cells_v + j) * (degree_u + 1) * (degree_v + 1)
@@ -48,6 +52,8 @@ class SectionSurface {
   explicit SectionSurface(const Surface& surface);
 
   [[nodiscard]] SurfacePoint2 evaluate(const Vec2& uv, const Cell& cell) const;
+  /// Without second derivatives, for less.
+  [[nodiscard]] SurfacePoint evaluate_slopes(const Vec2& uv, const Cell& cell) const;
 
   /// The cell that holds `uv`; on a break the one that a step along `heading` enters.
   [[nodiscard]] Cell find_cell(const Vec2& uv, const Vec2& heading) const;
@@ -56,6 +62,10 @@ class SectionSurface {
   [[nodiscard]] Interval limits(const Cell& cell, int axis) const;
   /// Whether there is another cell beyond the cell's upper (or lower) limit.
   [[nodiscard]] bool has_neighbor(const Cell& cell, int axis, bool upper) const;
+
+  [[nodiscard]] bool has_cells() const { return !breaks_u_.empty() || !breaks_v_.empty(); }
+  /// Whether second derivatives agree on both sides of every limit between cells.
+  [[nodiscard]] bool is_smooth() const { return is_smooth_; }
 
   [[nodiscard]] const Vec2& periods() const { return periods_; }
   [[nodiscard]] const Surface& surface() const { return *surface_; }
@@ -68,6 +78,7 @@ class SectionSurface {
 
   const Surface* surface_;
   Kind kind_ = Kind::analytic;
+  bool is_smooth_ = true;
   bool has_nets_ = false;  ///< the basis or meridian is a B-spline
   BezierNets nets_;
   std::vector<double> breaks_u_;  ///< ascending, empty where there are no cells

@@ -1,0 +1,252 @@
+#include "slicing/span/sheet.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "slicing/span/depth_kernel.h"
+
+namespace lamella::span {
+
+namespace {
+
+constexpr int kNodes = Sheet::kNodes;
+constexpr std::size_t kNumbers = 12;  // of a piece: six coefficients of x, six of y
+
+/// Places of the nodes in [-1, 1]: -cos(j pi / 4).
+constexpr std::array<double, kNodes> kPlaces{-1.0, -0.70710678118654752, 0.0, 0.70710678118654752, 1.0};
+
+/// Where the interpolation is measured: near its largest remainder, and near an end.
+constexpr std::array<double, 2> kProbes{-0.35, 0.9};
+
+constexpr double kLargestTurn = 0.7;  // radians between neighbouring points
+
+/// Corrections up to this share of a piece are taken from the second derivatives, to third order.
+constexpr double kExactShift = 1e-4;
+
+using NodeValues = std::array<double, kNodes>;
+
+/// Monomial coefficients of the polynomial of degree 4 through values at kPlaces: with q = 1/2,
+/// p = a0 + a1 z + a2 z^2 + a3 z^3 + a4 z^4 splits into its even and odd parts.
+NodeValues monomials(const NodeValues& f) {
+  const double even_1 = 0.5 * (f[4] + f[0]) - f[2];  // a2 + a4
+  const double even_q = 0.5 * (f[3] + f[1]) - f[2];  // a2 q + a4 q^2
+  const double odd_1 = 0.5 * (f[4] - f[0]);          // a1 + a3
+  const double odd_q = 0.5 * (f[3] - f[1]) / 0.70710678118654752;  // a1 + a3 q
+  const double a4 = 2.0 * even_1 - 4.0 * even_q;
+  const double a3 = 2.0 * (odd_1 - odd_q);
+  return {f[2], odd_1 - a3, even_1 - a4, a3, a4};
+}
+
+double value_at(const NodeValues& a, double z) { return a[0] + z * (a[1] + z * (a[2] + z * (a[3] + z * a[4]))); }
+
+/// Extrapolates the values known at the first `count` places to the next one (Newton's divided differences).
+double extrapolate(const double* values, int count) {
+  std::array<double, kNodes> table{};
+  std::copy(values, values + count, table.begin());
+  for (int order = 1; order < count; ++order) {
+    for (int i = count - 1; i >= order; --i) {
+      table[i] = (table[i] - table[i - 1]) / (kPlaces[i] - kPlaces[i - order]);
+    }
+  }
+  double result = table[count - 1];
+  for (int i = count - 2; i >= 0; --i) result = table[i] + (kPlaces[count] - kPlaces[i]) * result;
+  return result;
+}
+
+class Builder {
+ public:
+  Builder(const SectionSurface& surface, double sign, double low, double high, const TraceLimits& limits,
+          CarriedArc& carried)
+      : surface_(surface), sign_(sign), low_(low), high_(high), limits_(limits), carried_(carried) {}
+
+  bool run(const Sheet::EndsAt& ends_at, std::vector<double>& coefficients) {
+    const TracedArc& start = carried_.arc;
+    points_ = start.points;
+    const std::size_t pieces = start.pieces.size();
+    numbers_.resize(pieces * kNumbers);
+    middles_.resize(pieces * 2);
+    ways_.resize(points_.size());
+    for (std::size_t i = 1; i < pieces; ++i) {
+      const Vec2 rise = rise_of(points_[i], start.axes[i]);
+      ways_[i] = {rise, {0.0}};
+      ways_[i].travel[0] = 0.0;
+    }
+    if (!take_pieces(0)) return false;
+    for (int j = 1; j < kNodes; ++j) {
+      const double z = height(kPlaces[j]);
+      SectionPoint begin, end;
+      if (!ends_at(z, begin, end) || !place_end(0, begin, z) || !place_end(pieces, end, z)) return false;
+      for (std::size_t i = 1; i < pieces; ++i) {
+        if (!move_point(i, j, z)) return false;
+      }
+      if (!take_pieces(j)) return false;
+    }
+    if (!measure()) return false;
+    store(coefficients);
+    leave_at_top();
+    return true;
+  }
+
+ private:
+  /// A point's straight way in (u, v): start + travel * direction.
+  struct Way {
+    Vec2 direction = Vec2::Zero();
+    NodeValues travel{};
+  };
+
+  [[nodiscard]] double height(double place) const {
+    return 0.5 * (low_ + high_) + 0.5 * (high_ - low_) * place;
+  }
+
+  bool place_end(std::size_t i, const SectionPoint& given, double z) {
+    const Cell& cell = carried_.arc.cells[std::min(i, carried_.arc.cells.size() - 1)];
+    const Vec2& periods = surface_.periods();
+    Vec2 uv = given.uv;
+    for (int axis = 0; axis < 2; ++axis) {
+      if (periods[axis] > 0.0) uv[axis] += periods[axis] * std::round((points_[i].uv[axis] - uv[axis]) / periods[axis]);
+    }
+    points_[i] = surface_.has_cells() ? section_point(surface_.evaluate(uv, cell), uv, sign_) : given;
+    points_[i].uv = uv;
+    points_[i].z = z;
+    return points_[i].uv_bend.allFinite();
+  }
+
+  bool move_point(std::size_t i, int node, double z) {
+    Way& way = ways_[i];
+    const Vec2& from = carried_.arc.points[i].uv;
+    const Cell& cell = carried_.arc.cells[i];
+    const double scale = (points_[i].xy - points_[i - 1].xy).norm();
+    double travel = node == 1 ? z - low_ : extrapolate(way.travel.data(), node);
+    SurfacePoint2 at;
+    double step = 0.0;
+    for (int attempt = 0;; ++attempt) {
+      const Vec2 uv = from + travel * way.direction;
+      at = surface_.evaluate(uv, cell);
+      const Vec3 along = at.du * way.direction[0] + at.dv * way.direction[1];
+      step = (z - at.point.z()) / along.z();
+      const double off = std::abs(step) * along.norm();
+      if (!(off <= scale) || attempt == 5) return false;
+      travel += step;
+      if (off <= kExactShift * scale) break;
+    }
+    const Vec2 uv = from + travel * way.direction;
+    if (!is_within(uv, cell, carried_.arc.axes[i])) return false;
+    way.travel[node] = travel;
+    shift(at, step * way.direction);
+    points_[i] = section_point(at, uv, sign_);
+    points_[i].z = z;
+    return points_[i].uv_bend.allFinite();
+  }
+
+  bool is_within(const Vec2& uv, const Cell& cell, int fixed_axis) const {
+    for (int axis = 0; axis < 2; ++axis) {
+      if (axis == fixed_axis) continue;
+      const Interval limits = surface_.limits(cell, axis);
+      const double slack = 1e-9 * limits.length();
+      if (!(uv[axis] >= limits.lo - slack && uv[axis] <= limits.hi + slack)) return false;
+    }
+    return true;
+  }
+
+  /// The pieces between the points as they are now become the values at a node.
+  bool take_pieces(int node) {
+    const std::vector<Cell>& cells = carried_.arc.cells;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      const SectionPoint& a = points_[i];
+      SectionPoint b = points_[i + 1];
+      if (i + 1 < cells.size() && !(cells[i] == cells[i + 1]) && !surface_.is_smooth()) {
+        b = section_point(surface_.evaluate(b.uv, cells[i]), b.uv, sign_);
+      }
+      if (!(a.tangent.dot(b.tangent) > std::cos(kLargestTurn))) return false;
+      ArcPiece piece;
+      Vec2 middle;
+      if (!join_points(a, b, piece, middle)) return false;
+      for (int k = 0; k < 6; ++k) {
+        numbers_[i * kNumbers + k][node] = piece.x[k];
+        numbers_[i * kNumbers + 6 + k][node] = piece.y[k];
+      }
+      middles_[2 * i][node] = middle[0];
+      middles_[2 * i + 1][node] = middle[1];
+    }
+    return true;
+  }
+
+  bool measure() {
+    for (NodeValues& values : numbers_) values = monomials(values);
+    for (NodeValues& values : middles_) values = monomials(values);
+    for (const double place : kProbes) {
+      for (std::size_t i = 0; i < carried_.arc.cells.size(); ++i) {
+        if (!(error_at(i, place) <= 2.0 * limits_.tolerance)) return false;
+      }
+    }
+    return true;
+  }
+
+  /// Horizontal distance of the middle of a piece from the surface, to first order about the point with its (u, v).
+  [[nodiscard]] double error_at(std::size_t piece, double place) const {
+    const Vec2 uv(value_at(middles_[2 * piece], place), value_at(middles_[2 * piece + 1], place));
+    const SurfacePoint at = surface_.evaluate_slopes(uv, carried_.arc.cells[piece]);
+    Vec3 point(0.0, 0.0, height(place));
+    double power = 1.0;
+    for (int k = 0; k < 6; ++k, power *= 0.5) {
+      point.x() += power * value_at(numbers_[piece * kNumbers + k], place);
+      point.y() += power * value_at(numbers_[piece * kNumbers + 6 + k], place);
+    }
+    const Vec3 normal = at.normal();
+    return std::abs(normal.dot(point - at.point)) / normal.head<2>().norm();
+  }
+
+  void store(std::vector<double>& coefficients) const {
+    const std::size_t stride = numbers_.size();
+    coefficients.resize(kNodes * stride);
+    for (std::size_t i = 0; i < stride; ++i) {
+      for (int power = 0; power < kNodes; ++power) coefficients[power * stride + i] = numbers_[i][power];
+    }
+  }
+
+  void leave_at_top() {
+    TracedArc& arc = carried_.arc;
+    arc.points = points_;
+    for (std::size_t i = 0; i < arc.pieces.size(); ++i) {
+      for (int k = 0; k < 6; ++k) {
+        arc.pieces[i].x[k] = value_at(numbers_[i * kNumbers + k], 1.0);
+        arc.pieces[i].y[k] = value_at(numbers_[i * kNumbers + 6 + k], 1.0);
+      }
+    }
+    carried_.start(high_);
+  }
+
+  const SectionSurface& surface_;
+  double sign_;
+  double low_;
+  double high_;
+  const TraceLimits& limits_;
+  CarriedArc& carried_;
+  std::vector<SectionPoint> points_;  ///< at the node being worked on
+  std::vector<Way> ways_;
+  std::vector<NodeValues> numbers_;
+  std::vector<NodeValues> middles_;  ///< (u, v) in the middle of each piece
+};
+
+}  // namespace
+
+bool Sheet::build(const SectionSurface& surface, double sign, double low, double high, const TraceLimits& limits,
+                  const EndsAt& ends_at, CarriedArc& carried) {
+  clear();
+  if (!Builder(surface, sign, low, high, limits, carried).run(ends_at, coefficients_)) {
+    clear();
+    return false;
+  }
+  low_ = low;
+  high_ = high;
+  piece_count_ = carried.arc.pieces.size();
+  return true;
+}
+
+void Sheet::evaluate(double z, ArcPiece* pieces) const {
+  const double place = (2.0 * z - low_ - high_) / (high_ - low_);
+  static_assert(sizeof(ArcPiece) == kNumbers * sizeof(double));
+  depth_kernel().blend(coefficients_.data(), piece_count_ * kNumbers, place, pieces->x.data());
+}
+
+}  // namespace lamella::span
