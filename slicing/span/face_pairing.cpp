@@ -113,6 +113,7 @@ void FaceSection::carry_families(double z, NodeTable& nodes, SectionCounters& co
   std::vector<Family> kept;
   for (Family& family : families_) {
     CarriedArc& carried = family.carried;
+    family.sheet.clear();
     if (carried.empty()) continue;
     bool holds = false;
     if (family.cut >= 0) {

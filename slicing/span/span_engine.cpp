@@ -46,21 +46,25 @@ struct SolidSpans {
 /// What is carried through a slab for one solid.
 class SolidSlab {
  public:
-  SolidSlab(const Scene& scene, const SolidSpans& solid, double from, double to, const TraceLimits& limits)
-      : solid_(&solid), nodes_(scene, solid.edges) {
+  SolidSlab(const Scene& scene, const SolidSpans& solid, std::span<const double> heights, const TraceLimits& limits)
+      : solid_(&solid), heights_(heights), nodes_(scene, solid.edges) {
+    const double from = heights.front();
+    const double to = heights.back();
     for (const FaceModel& face : solid.faces) {
-      if (face.events.front() <= to && from < face.events.back()) faces_.emplace_back(scene, face, solid.edges, limits);
+      if (face.events.front() <= to && from < face.events.back()) faces_.emplace_back(scene, face, solid.edges, limits, heights);
     }
   }
 
-  void cut(double z, Section& out, SectionCounters& counters) {
+  void cut(std::size_t layer, Section& out, SectionCounters& counters) {
+    const double z = heights_[layer];
     if (!solid_->meets(z, z)) return;
     nodes_.start_layer(z);
-    for (FaceSection& face : faces_) face.cut(z, nodes_, out, counters);
+    for (FaceSection& face : faces_) face.cut(layer, nodes_, out, counters);
   }
 
  private:
   const SolidSpans* solid_;
+  std::span<const double> heights_;
   NodeTable nodes_;
   std::vector<FaceSection> faces_;
 };
@@ -118,17 +122,19 @@ SpanEngine::SpanEngine(SpanEngine&&) noexcept = default;
 void SpanEngine::cut(std::span<const LayerRequest> slab, std::span<LayerSpans> out) const {
   if (slab.empty()) return;
   std::vector<SolidSlab> solids;
-  const double from = slab.front().z;
-  const double to = slab.back().z;
+  std::vector<double> heights;
+  for (const LayerRequest& request : slab) heights.push_back(request.z);
   for (const auto& solid : data_->solids) {
-    if (solid->meets(from, to)) solids.emplace_back(*data_->scene, *solid, from, to, data_->limits());
+    if (solid->meets(heights.front(), heights.back())) {
+      solids.emplace_back(*data_->scene, *solid, heights, data_->limits());
+    }
   }
   RowCast rows(*data_->scene);
   Section section;
   SectionCounters counters;
   for (std::size_t i = 0; i < slab.size(); ++i) {
     section.clear();
-    for (SolidSlab& solid : solids) solid.cut(slab[i].z, section, counters);
+    for (SolidSlab& solid : solids) solid.cut(i, section, counters);
     out[i].lattices.resize(slab[i].lattices.size());
     for (std::size_t k = 0; k < slab[i].lattices.size(); ++k) {
       rows.cast(section, slab[i].lattices[k], out[i].lattices[k], out[i].cast);
