@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 
 #include "core/parallel.h"
+#include "slicing/span/contours.h"
 #include "slicing/span/face_model.h"
 #include "slicing/span/face_section.h"
 #include "slicing/span/row_cast.h"
@@ -80,6 +82,23 @@ struct SpanEngine::Data {
     limits.tolerance = options.tolerance;
     return limits;
   }
+
+  /// Calls visit(z, section) for each of the ascending heights; the section of a solid that isn't ours is empty.
+  template <class Visit>
+  void for_each_section(SolidId id, std::span<const double> heights, const Visit& visit) const {
+    const auto solid = std::find_if(solids.begin(), solids.end(), [&](const auto& s) { return s->id == id; });
+    std::optional<SolidSlab> slab;
+    if (solid != solids.end() && !heights.empty()) {
+      slab.emplace(*scene, **solid, heights.front(), heights.back(), limits());
+    }
+    Section section;
+    SectionCounters counters;
+    for (const double z : heights) {
+      section.clear();
+      if (slab) slab->cut(z, section, counters);
+      visit(z, section);
+    }
+  }
 };
 
 SpanEngine::SpanEngine(const Scene& scene, std::span<const SolidId> solids, const SpanOptions& options,
@@ -123,7 +142,25 @@ void SpanEngine::cut(std::span<const LayerRequest> slab, std::span<LayerSpans> o
   }
 }
 
-std::vector<SectionLoop> SpanEngine::contours(SolidId, double, double) const { return {}; }
+SectionContours SpanEngine::contours(SolidId solid, double z, double chord_error) const {
+  return contours(solid, std::span(&z, 1), chord_error).front();
+}
+
+std::vector<SectionContours> SpanEngine::contours(SolidId solid, std::span<const double> heights,
+                                                  double chord_error) const {
+  std::vector<SectionContours> result;
+  data_->for_each_section(solid, heights, [&](double z, const Section& section) {
+    result.push_back(assemble_contours(*data_->scene, section, {solid, z, chord_error}));
+  });
+  return result;
+}
+
+std::vector<double> SpanEngine::section_areas(SolidId solid, std::span<const double> heights) const {
+  std::vector<double> areas;
+  data_->for_each_section(solid, heights,
+                          [&](double, const Section& section) { areas.push_back(section_area(section)); });
+  return areas;
+}
 
 const std::vector<Finding>& SpanEngine::findings() const { return data_->findings; }
 
