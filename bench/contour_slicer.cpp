@@ -14,18 +14,18 @@ class ActiveWedges {
  public:
   void clear() { resize(0); }
 
-  void add(const Wedges& from, std::size_t i) {
-    last_layer.push_back(from.last_layer[i]);
-    z_a.push_back(from.z_a[i]);
-    y_a.push_back(from.y_a[i]);
-    x_a.push_back(from.x_a[i]);
-    slope_y_a.push_back(from.slope_y_a[i]);
-    slope_x_a.push_back(from.slope_x_a[i]);
-    z_b.push_back(from.z_b[i]);
-    y_b.push_back(from.y_b[i]);
-    x_b.push_back(from.x_b[i]);
-    slope_y_b.push_back(from.slope_y_b[i]);
-    slope_x_b.push_back(from.slope_x_b[i]);
+  void add(const Wedge& wedge) {
+    last_layer.push_back(wedge.last_layer);
+    z_a.push_back(wedge.a.z);
+    y_a.push_back(wedge.a.y);
+    x_a.push_back(wedge.a.x);
+    slope_y_a.push_back(wedge.a.slope_y);
+    slope_x_a.push_back(wedge.a.slope_x);
+    z_b.push_back(wedge.b.z);
+    y_b.push_back(wedge.b.y);
+    x_b.push_back(wedge.b.x);
+    slope_y_b.push_back(wedge.b.slope_y);
+    slope_x_b.push_back(wedge.b.slope_x);
   }
 
   /// Drops those that end at `layer` or below.
@@ -124,15 +124,15 @@ class ContourSolid {
     }
     reached_ = layer;
     active_.drop(layer);
-    for (; next_ < wedges_.size() && wedges_.first_layer[next_] <= layer; ++next_) {
-      if (wedges_.last_layer[next_] > layer) active_.add(wedges_, next_);
+    for (; next_ < wedges_.size && wedges_.items[next_].first_layer <= layer; ++next_) {
+      if (wedges_.items[next_].last_layer > layer) active_.add(wedges_.items[next_]);
     }
   }
 
   Wedges wedges_;
   RowBuckets buckets_;
   ActiveWedges active_;
-  std::size_t next_ = 0;
+  std::uint32_t next_ = 0;
   std::int32_t reached_ = 0;
 };
 

@@ -28,7 +28,7 @@ class DexelSolid {
     activate(first_layer, last_layer);
     do {
       buckets_.clear();
-      for (const std::uint32_t wedge : active_) rasterise(wedge, first_layer, last_layer);
+      for (const std::uint32_t wedge : active_) rasterise(wedges_.items[wedge], first_layer, last_layer);
     } while (!buckets_.grow_if_full());
     buckets_.sort();
   }
@@ -45,33 +45,33 @@ class DexelSolid {
       next_ = 0;
     }
     reached_ = last_layer;
-    std::erase_if(active_, [&](std::uint32_t wedge) { return wedges_.last_layer[wedge] <= first_layer; });
-    for (; next_ < wedges_.size() && wedges_.first_layer[next_] < last_layer; ++next_) {
-      if (wedges_.last_layer[next_] > first_layer) active_.push_back(next_);
+    std::erase_if(active_, [&](std::uint32_t wedge) { return wedges_.items[wedge].last_layer <= first_layer; });
+    for (; next_ < wedges_.size && wedges_.items[next_].first_layer < last_layer; ++next_) {
+      if (wedges_.items[next_].last_layer > first_layer) active_.push_back(next_);
     }
   }
 
   /// All layers of the slab at once, also those that the wedge misses: one vector.
-  SlabRuns runs_of(std::uint32_t i, std::int32_t first_layer) const {
+  static SlabRuns runs_of(const Wedge& wedge, std::int32_t first_layer) {
     SlabRuns runs;
     for (std::int32_t k = 0; k < kLayers; ++k) {
       const float z = static_cast<float>(first_layer + k);
-      const float y_a = wedges_.y_a[i] + (z - wedges_.z_a[i]) * wedges_.slope_y_a[i];
-      const float y_b = wedges_.y_b[i] + (z - wedges_.z_b[i]) * wedges_.slope_y_b[i];
+      const float y_a = wedge.a.y + (z - wedge.a.z) * wedge.a.slope_y;
+      const float y_b = wedge.b.y + (z - wedge.b.z) * wedge.b.slope_y;
       runs.y_a[k] = y_a;
-      runs.x_a[k] = wedges_.x_a[i] + (z - wedges_.z_a[i]) * wedges_.slope_x_a[i];
+      runs.x_a[k] = wedge.a.x + (z - wedge.a.z) * wedge.a.slope_x;
       runs.first[k] = static_cast<std::int32_t>(std::ceil(std::min(y_a, y_b)));
       runs.last[k] = static_cast<std::int32_t>(std::ceil(std::max(y_a, y_b)));
     }
     return runs;
   }
 
-  void rasterise(std::uint32_t i, std::int32_t first_layer, std::int32_t last_layer) {
-    const SlabRuns runs = runs_of(i, first_layer);
-    const std::int32_t first = std::max(wedges_.first_layer[i], first_layer) - first_layer;
-    const std::int32_t last = std::min(wedges_.last_layer[i], last_layer) - first_layer;
+  void rasterise(const Wedge& wedge, std::int32_t first_layer, std::int32_t last_layer) {
+    const SlabRuns runs = runs_of(wedge, first_layer);
+    const std::int32_t first = std::max(wedge.first_layer, first_layer) - first_layer;
+    const std::int32_t last = std::min(wedge.last_layer, last_layer) - first_layer;
     for (std::int32_t k = first; k < last; ++k) {
-      buckets_.add(k, {runs.first[k], runs.last[k], runs.y_a[k], runs.x_a[k], wedges_.dx_dy[i]});
+      buckets_.add(k, {runs.first[k], runs.last[k], runs.y_a[k], runs.x_a[k], wedge.dx_dy});
     }
   }
 
