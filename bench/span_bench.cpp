@@ -8,7 +8,10 @@
 #include <fstream>
 #include <iostream>
 
+#include "bench/curves.h"
+#include "bench/machine.h"
 #include "bench/model_bench.h"
+#include "bench/table.h"
 
 namespace lamella::bench {
 namespace {
@@ -40,14 +43,19 @@ std::vector<fs::path> default_files() {
 struct Arguments {
   std::vector<fs::path> files;
   BenchOptions options;
+  CurveOptions curve;
   fs::path json;
   std::string commit;
+  bool table = false;
+  bool curves = false;
 };
 
 void add_options(CLI::App& app, Arguments& arguments) {
   BenchOptions& options = arguments.options;
   app.add_option("files", arguments.files, "STEP files; default: the benchmark models and ten of the corpus");
   app.add_option("--json", arguments.json, "write everything measured to this file");
+  app.add_flag("--table", arguments.table, "print the results as markdown");
+  app.add_flag("--curves", arguments.curves, "instead: cost of the span engine against layers, rows and threads");
   app.add_option("--commit", arguments.commit, "noted in the results");
   app.add_option("--rows", options.rows, "rows a layer")->check(CLI::Range(1, 1'000'000))->capture_default_str();
   app.add_option("--layers", options.layers)->check(CLI::Range(1, 1'000'000))->capture_default_str();
@@ -62,19 +70,36 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--seed", options.measure.seed)->capture_default_str();
 }
 
-int run(Arguments& arguments) {
+nlohmann::json measure(const Arguments& arguments, const fs::path& file) {
+  if (!arguments.curves) return bench_model(file, arguments.options);
+  CurveOptions curve = arguments.curve;
+  curve.rows = arguments.options.rows;
+  curve.layers = arguments.options.layers;
+  curve.repeats = arguments.options.rounds;
+  return measure_curves(file, curve);
+}
+
+/// Writes what there is so far, so that a run cut short has not been for nothing.
+void write_json(const fs::path& path, const nlohmann::json& results) {
+  if (path.empty()) return;
+  if (path.has_parent_path()) fs::create_directories(path.parent_path());
+  std::ofstream stream(path);
+  stream << results.dump(1) << '\n';
+  if (!stream.flush()) throw std::runtime_error("can't write " + path.string());
+}
+
+void run(Arguments& arguments) {
   if (arguments.files.empty()) arguments.files = default_files();
-  nlohmann::json results;
-  results["models"] = nlohmann::json::array();
+  nlohmann::json results{{"machine", describe_machine(arguments.commit)}, {"models", nlohmann::json::array()}};
   for (const fs::path& file : arguments.files) {
     if (!fs::exists(file)) {
       std::fprintf(stderr, "%s: not there, left out\n", file.c_str());
       continue;
     }
-    results["models"].push_back(bench_model(file, arguments.options));
+    results["models"].push_back(measure(arguments, file));
+    write_json(arguments.json, results);
   }
-  if (!arguments.json.empty()) std::ofstream(arguments.json) << results.dump(1) << '\n';
-  return 0;
+  if (arguments.table && !arguments.curves) std::cout << markdown_tables(results);
 }
 
 }  // namespace
@@ -86,7 +111,8 @@ int main(int argc, char** argv) {
   lamella::bench::add_options(app, arguments);
   CLI11_PARSE(app, argc, argv);
   try {
-    return lamella::bench::run(arguments);
+    lamella::bench::run(arguments);
+    return 0;
   } catch (const std::exception& failure) {
     std::fprintf(stderr, "span_bench: %s\n", failure.what());
     return 1;
