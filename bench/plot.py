@@ -65,7 +65,7 @@ def draw_ratios(models, path):
     axes.invert_yaxis()
     axes.set_xlabel("times faster than (hits per CPU second of one thread)")
     axes.grid(axis="x", alpha=0.3)
-    axes.legend(fontsize="small", loc="upper center", bbox_to_anchor=(0.4, -0.08), ncols=3, frameon=False)
+    axes.legend(fontsize="small", loc="lower center", bbox_to_anchor=(0.4, 1.0), ncol=3, frameon=False)
     figure.savefig(path)
     plt.close(figure)
 
