@@ -1,0 +1,239 @@
+// What FaceSection does when it enters a band: which node is joined to which by the section, and the loops that touch
+// no edge. Both are the same all over the band, so they are found in its middle, where nodes lie well apart.
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+#include "slicing/span/face_section.h"
+
+namespace lamella::span {
+
+void FaceSection::enter_band(std::size_t band, NodeTable& nodes, SectionCounters& counters) {
+  band_ = band;
+  families_.clear();
+  const double z = 0.5 * (face_->events[band] + face_->events[band + 1]);
+  starts_.clear();
+  ends_.clear();
+  for (std::uint32_t i = 0; i < face_->uses.size(); ++i) {
+    const PieceUse& use = face_->uses[i];
+    if (!edges_->all()[use.piece].range.crosses(z)) continue;
+    (use.ends_arc ? ends_ : starts_).push_back(i);
+  }
+  switch (face_->kind) {
+    case SectionKind::plane:
+      pair_plane(z, nodes);
+      break;
+    case SectionKind::sphere:
+      pair_sphere(z, nodes);
+      break;
+    case SectionKind::traced:
+      pair_traced(z, nodes);
+      break;
+  }
+  counters.families += families_.size();
+}
+
+void FaceSection::pair_plane(double z, const NodeTable& nodes) {
+  const auto& plane = std::get<Plane>(face_->surface.surface());
+  const Vec3 normal = face_->sign * plane.frame.x.cross(plane.frame.y);
+  // Along z x n. A horizontal plane is only met within the tolerance of its vertices: any order will do.
+  const Vec2 along = normal.head<2>().norm() < 1e-9 ? Vec2(Vec2::UnitX()) : Vec2(-normal.y(), normal.x());
+  const auto sort = [&](std::vector<std::uint32_t>& uses) {
+    std::vector<std::pair<double, std::uint32_t>> keyed;
+    for (const std::uint32_t use : uses) {
+      keyed.emplace_back(along.dot(nodes.node_at(face_->uses[use].piece, z).xy), use);
+    }
+    std::sort(keyed.begin(), keyed.end());
+    for (std::size_t i = 0; i < uses.size(); ++i) uses[i] = keyed[i].second;
+  };
+  sort(starts_);
+  sort(ends_);
+  for (std::size_t i = 0; i < std::min(starts_.size(), ends_.size()); ++i) {
+    Family family;
+    family.begin = starts_[i];
+    family.end = ends_[i];
+    families_.push_back(family);
+  }
+}
+
+void FaceSection::pair_sphere(double z, const NodeTable& nodes) {
+  struct Candidate {
+    double sweep;
+    std::uint32_t begin;
+    std::uint32_t end;
+  };
+  std::vector<Candidate> candidates;
+  for (const std::uint32_t begin : starts_) {
+    const Vec2 from = nodes.node_at(face_->uses[begin].piece, z).xy;
+    for (const std::uint32_t end : ends_) {
+      const double sweep = sweep_between(from, nodes.node_at(face_->uses[end].piece, z).xy);
+      // The twins of a seam: the arc that ends there has gone all the way round.
+      candidates.push_back({sweep < 1e-12 ? kTwoPi : sweep, begin, end});
+    }
+  }
+  std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+    return std::tie(a.sweep, a.begin, a.end) < std::tie(b.sweep, b.begin, b.end);
+  });
+  is_paired_.assign(face_->uses.size(), 0);
+  for (const Candidate& candidate : candidates) {
+    if (is_paired_[candidate.begin] != 0 || is_paired_[candidate.end] != 0) continue;
+    is_paired_[candidate.begin] = is_paired_[candidate.end] = 1;
+    Family family;
+    family.begin = candidate.begin;
+    family.end = candidate.end;
+    family.sweep = candidate.sweep;
+    family.z = z;
+    families_.push_back(family);
+  }
+  if (starts_.empty() && is_whole_circle(z)) {
+    Family family;
+    family.cut = 0;
+    families_.push_back(family);
+  }
+}
+
+bool FaceSection::is_whole_circle(double z) const {
+  const auto& sphere = std::get<Sphere>(face_->surface.surface());
+  const double height = z - sphere.frame.origin.z();
+  const double square = sphere.radius * sphere.radius - height * height;
+  if (!(square > 0.0)) return false;
+  const Vec3 arm(std::sqrt(square), 0.0, height);
+  const Vec3 local = Vec3(arm.dot(sphere.frame.x), arm.dot(sphere.frame.y), arm.dot(sphere.frame.z)) / sphere.radius;
+  const Vec2 uv(std::atan2(local.y(), local.x()), std::asin(std::clamp(local.z(), -1.0, 1.0)));
+  return face_->region->classify(uv) == TrimRegion::Side::inside;
+}
+
+void FaceSection::pair_traced(double z, const NodeTable& nodes) {
+  points_.resize(face_->uses.size());
+  for (const auto* uses : {&starts_, &ends_}) {
+    for (const std::uint32_t use : *uses) {
+      points_[use] = face_point(face_->uses[use], nodes.node_at(face_->uses[use].piece, z), z);
+    }
+  }
+  is_paired_.assign(face_->uses.size(), 0);
+  find_roots(z);
+  pair_neighbors();
+  trace_starts();
+  pair_rest();
+  find_loops(z);
+}
+
+void FaceSection::join(std::uint32_t begin, std::uint32_t end) {
+  Family family;
+  family.begin = begin;
+  family.end = end;
+  families_.push_back(family);
+  is_paired_[begin] = is_paired_[end] = 1;
+}
+
+void FaceSection::pair_neighbors() {
+  std::vector<std::uint32_t> crossing = starts_;
+  crossing.insert(crossing.end(), ends_.begin(), ends_.end());
+  std::sort(crossing.begin(), crossing.end());
+  for (std::size_t first = 0; first < crossing.size();) {
+    std::size_t last = first + 1;
+    while (last < crossing.size() && face_->uses[crossing[last]].loop == face_->uses[crossing[first]].loop) ++last;
+    for (std::size_t i = first; i < last; ++i) {
+      std::uint32_t a = crossing[i];
+      std::uint32_t b = crossing[i + 1 < last ? i + 1 : first];
+      if (is_paired_[a] != 0 || is_paired_[b] != 0) continue;
+      if (face_->uses[a].ends_arc == face_->uses[b].ends_arc) continue;
+      if (face_->uses[a].ends_arc) std::swap(a, b);
+      if (points_[a].usable && points_[b].usable && are_joined(points_[a], points_[b])) join(a, b);
+    }
+    first = last;
+  }
+}
+
+void FaceSection::trace_starts() {
+  for (const std::uint32_t start : starts_) {
+    if (is_paired_[start] != 0 || !points_[start].usable) continue;
+    std::vector<SectionPoint> targets;
+    std::vector<std::uint32_t> ids;
+    for (const std::uint32_t end : ends_) {
+      if (is_paired_[end] != 0 || !points_[end].usable) continue;
+      targets.push_back(points_[end].point);
+      ids.push_back(end);
+    }
+    if (!trace(face_->surface, face_->sign, points_[start].point, targets, limits_, traced_)) continue;
+    visit_roots(traced_);
+    join(start, ids[traced_.target]);
+  }
+}
+
+void FaceSection::pair_rest() {
+  for (const std::uint32_t start : starts_) {
+    if (is_paired_[start] != 0) continue;
+    std::uint32_t best = 0;
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const std::uint32_t end : ends_) {
+      const double distance = (points_[end].node - points_[start].node).norm();
+      if (is_paired_[end] != 0 || !(distance < nearest)) continue;
+      nearest = distance;
+      best = end;
+    }
+    if (std::isfinite(nearest)) join(start, best);
+  }
+}
+
+void FaceSection::find_roots(double z) {
+  roots_.clear();
+  for (std::uint32_t cut = 0; cut < face_->cuts.size(); ++cut) {
+    const CutLine& line = face_->cuts[cut];
+    for (std::uint32_t piece = 0; piece < line.pieces.size(); ++piece) {
+      if (!line.pieces[piece].crosses(z)) continue;
+      const double u = find_crossing(line.curve, line.pieces[piece], z, std::nan(""));
+      roots_.push_back({cut, piece, u, false});
+    }
+  }
+}
+
+void FaceSection::visit_roots(const TracedArc& arc) {
+  const Vec2& periods = face_->surface.periods();
+  const auto wrapped = [](double difference, double period) {
+    return period > 0.0 ? difference - period * std::round(difference / period) : difference;
+  };
+  for (CutRoot& root : roots_) {
+    if (root.visited) continue;
+    const double v = face_->cuts[root.cut].v;
+    for (std::size_t i = 0; i + 1 < arc.points.size(); ++i) {
+      const Vec2& a = arc.points[i].uv;
+      const Vec2& b = arc.points[i + 1].uv;
+      const double above_a = wrapped(a[1] - v, periods[1]);
+      const double above_b = above_a + (b[1] - a[1]);
+      if ((above_a <= 0.0) == (above_b <= 0.0)) continue;
+      const double u = a[0] + (b[0] - a[0]) * above_a / (above_a - above_b);
+      const double slack = 0.5 * std::abs(b[0] - a[0]) + 0.05 * std::abs(b[1] - a[1]);
+      if (std::abs(wrapped(u - root.u, periods[0])) > slack) continue;
+      root.visited = true;
+      break;
+    }
+  }
+}
+
+void FaceSection::find_loops(double z) {
+  for (std::size_t i = 0; i < roots_.size(); ++i) {
+    if (roots_[i].visited) continue;
+    const CutLine& line = face_->cuts[roots_[i].cut];
+    if (face_->region->classify(Vec2(roots_[i].u, line.v)) != TrimRegion::Side::inside) continue;
+    Family family;
+    family.cut = static_cast<std::int32_t>(roots_[i].cut);
+    family.cut_piece = roots_[i].piece;
+    const FacePoint seed = cut_point(family, z);
+    if (!seed.usable) continue;
+    // Whatever ends on a node is an arc that has been found already.
+    std::vector<SectionPoint> targets{seed.point};
+    for (const std::uint32_t end : ends_) {
+      if (points_[end].usable) targets.push_back(points_[end].point);
+    }
+    const bool landed = trace(face_->surface, face_->sign, seed.point, targets, limits_, traced_);
+    roots_[i].visited = true;
+    if (!landed || traced_.target != 0) continue;
+    visit_roots(traced_);
+    families_.push_back(family);
+  }
+}
+
+}  // namespace lamella::span

@@ -1,0 +1,346 @@
+#include "slicing/span/face_section.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "model/evaluate.h"
+
+namespace lamella::span {
+
+namespace {
+
+/// A layer this near to a change of topology is cut this far inside its band: there the section may be singular.
+constexpr double kEventMargin = 1e-8;  // mm
+
+constexpr double kLongestCircleStep = 0.6;  // radians
+
+/// Piece of a circle from angle a over `sweep`: the quintic with its positions, tangents and curvatures.
+ArcPiece circle_piece(const Vec2& center, double radius, double a, double sweep) {
+  const Vec2 from(std::cos(a), std::sin(a));
+  const Vec2 to(std::cos(a + sweep), std::sin(a + sweep));
+  ArcPiece piece;
+  for (int axis = 0; axis < 2; ++axis) {
+    const double side = axis == 0 ? -1.0 : 1.0;
+    const double p = radius * from[axis];
+    const double d = side * radius * sweep * from[1 - axis];
+    const double h = -0.5 * sweep * sweep * p;
+    const double q = radius * to[axis];
+    const double rest = q - p - d - h;
+    const double slope_rest = side * radius * sweep * to[1 - axis] - d - 2.0 * h;
+    const double bend_rest = -sweep * sweep * q - 2.0 * h;
+    (axis == 0 ? piece.x : piece.y) = {center[axis] + p,
+                                       d,
+                                       h,
+                                       10.0 * rest - 4.0 * slope_rest + 0.5 * bend_rest,
+                                       -15.0 * rest + 7.0 * slope_rest - bend_rest,
+                                       6.0 * rest - 3.0 * slope_rest + 0.5 * bend_rest};
+  }
+  return piece;
+}
+
+/// Step at which a circle's quintics keep to the tolerance: their error is r sweep^6 / 46080 (Hermite's remainder at
+/// the middle, 1/6! of the sixth derivative times (sweep/2)^6).
+double circle_step(double radius, double tolerance) {
+  return std::min(kLongestCircleStep, std::pow(46080.0 * tolerance / radius, 1.0 / 6.0));
+}
+
+}  // namespace
+
+SectionCounters& SectionCounters::operator+=(const SectionCounters& other) {
+  arcs += other.arcs;
+  families += other.families;
+  traced += other.traced;
+  doubtful_arcs += other.doubtful_arcs;
+  unbalanced += other.unbalanced;
+  return *this;
+}
+
+NodeTable::NodeTable(const Scene& scene, const EdgePieces& edges)
+    : scene_(&scene), edges_(&edges), nodes_(edges.all().size()), stamp_(edges.all().size(), 0) {
+  for (std::size_t i = 0; i < nodes_.size(); ++i) nodes_[i].t = std::nan("");
+}
+
+void NodeTable::start_layer(double z) {
+  z_ = z;
+  ++layer_;
+}
+
+const Node& NodeTable::node(std::uint32_t piece) {
+  if (stamp_[piece] != layer_) {
+    const EdgePiece& edge_piece = edges_->all()[piece];
+    const Curve3& curve = scene_->edges[edge_piece.edge].curve;
+    Node& node = nodes_[piece];
+    node.t = find_crossing(curve, edge_piece.range, z_, node.t);
+    node.xy = evaluate<3>(curve, node.t).point.head<2>();
+    stamp_[piece] = layer_;
+  }
+  return nodes_[piece];
+}
+
+Node NodeTable::node_at(std::uint32_t piece, double z) const {
+  const EdgePiece& edge_piece = edges_->all()[piece];
+  const Curve3& curve = scene_->edges[edge_piece.edge].curve;
+  Node node;
+  node.t = find_crossing(curve, edge_piece.range, z, std::nan(""));
+  node.xy = evaluate<3>(curve, node.t).point.head<2>();
+  return node;
+}
+
+FaceSection::FaceSection(const Scene& scene, const FaceModel& face, const EdgePieces& edges, const TraceLimits& limits)
+    : scene_(&scene), face_(&face), edges_(&edges), limits_(limits) {
+  limits_.longest = std::max(0.5 * face.size, 1e-6);
+}
+
+void FaceSection::cut(double z, NodeTable& nodes, Section& out, SectionCounters& counters) {
+  const auto band = face_->band_of(z);
+  if (!band) return;
+  if (band != band_) enter_band(*band, nodes, counters);
+  const std::size_t before = out.arcs.size();
+  switch (face_->kind) {
+    case SectionKind::plane:
+      cut_plane(z, nodes, out);
+      break;
+    case SectionKind::sphere:
+      cut_sphere(z, nodes, out);
+      break;
+    case SectionKind::traced:
+      cut_traced(z, nodes, out, counters);
+      break;
+  }
+  counters.arcs += out.arcs.size() - before;
+}
+
+double FaceSection::inner_height(double z) const {
+  const double low = face_->events[*band_];
+  const double high = face_->events[*band_ + 1];
+  const double margin = std::min(kEventMargin, 0.25 * (high - low));
+  return std::clamp(z, low + margin, high - margin);
+}
+
+void FaceSection::cut_plane(double z, NodeTable& nodes, Section& out) const {
+  const auto& plane = std::get<Plane>(face_->surface.surface());
+  const Vec3 normal = plane.frame.x.cross(plane.frame.y);
+  const double flat = normal.head<2>().squaredNorm();
+  const auto onto = [&](const Vec2& xy) -> Vec2 {
+    if (flat < 1e-12) return xy;
+    const double off = normal.dot(Vec3(xy.x(), xy.y(), z) - plane.frame.origin);
+    return xy - normal.head<2>() * (off / flat);
+  };
+  for (const Family& family : families_) {
+    const Vec2 begin = nodes.node(face_->uses[family.begin].piece).xy;
+    const Vec2 end = nodes.node(face_->uses[family.end].piece).xy;
+    append_chord(begin, end, onto(begin), onto(end), false, out);
+  }
+}
+
+void FaceSection::cut_sphere(double z, NodeTable& nodes, Section& out) {
+  const auto& sphere = std::get<Sphere>(face_->surface.surface());
+  const Vec2 center = sphere.frame.origin.head<2>();
+  const double height = z - sphere.frame.origin.z();
+  const double radius = std::sqrt(std::max(0.0, sphere.radius * sphere.radius - height * height));
+  const double turn = sphere_turn();
+  for (Family& family : families_) {
+    const bool is_loop = family.cut >= 0;
+    const Vec2 begin = is_loop ? Vec2(center + Vec2(radius, 0.0)) : nodes.node(face_->uses[family.begin].piece).xy;
+    const Vec2 end = is_loop ? begin : nodes.node(face_->uses[family.end].piece).xy;
+    const double sweep = is_loop ? kTwoPi : follow_sweep(family, z, nodes);
+    const int count = std::max(1, static_cast<int>(std::ceil(std::abs(sweep) / circle_step(radius, limits_.tolerance))));
+    SectionArc arc{face_->id, begin, end, static_cast<std::uint32_t>(out.pieces.size()),
+                   static_cast<std::uint32_t>(count)};
+    const double angle = angle_of(begin);
+    for (int i = 0; i < count; ++i) {
+      out.pieces.push_back(circle_piece(center, radius, angle + turn * sweep * i / count, turn * sweep / count));
+    }
+    out.arcs.push_back(arc);
+  }
+}
+
+double FaceSection::angle_of(const Vec2& xy) const {
+  const Vec2 arm = xy - std::get<Sphere>(face_->surface.surface()).frame.origin.head<2>();
+  return std::atan2(arm.y(), arm.x());
+}
+
+double FaceSection::sphere_turn() const {
+  const Frame& frame = std::get<Sphere>(face_->surface.surface()).frame;
+  return face_->sign * (frame.x.cross(frame.y).dot(frame.z) > 0.0 ? 1.0 : -1.0);
+}
+
+double FaceSection::sweep_between(const Vec2& begin, const Vec2& end) const {
+  double sweep = sphere_turn() * (angle_of(end) - angle_of(begin));
+  sweep -= kTwoPi * std::floor(sweep / kTwoPi);
+  return sweep;
+}
+
+double FaceSection::follow_sweep(Family& family, double z, const NodeTable& nodes) const {
+  const double band = face_->events[*band_ + 1] - face_->events[*band_];
+  const int steps = std::clamp(static_cast<int>(std::ceil(16.0 * std::abs(z - family.z) / band)), 1, 16);
+  const double from = family.z;
+  for (int i = 1; i <= steps; ++i) {
+    const double here = i == steps ? z : from + (z - from) * i / steps;
+    const Vec2 begin = nodes.node_at(face_->uses[family.begin].piece, here).xy;
+    const Vec2 end = nodes.node_at(face_->uses[family.end].piece, here).xy;
+    const double raw = sweep_between(begin, end);
+    // Continuous in z: the turn that is nearest to the last one.
+    family.sweep = raw + kTwoPi * std::round((family.sweep - raw) / kTwoPi);
+  }
+  family.z = z;
+  return family.sweep;
+}
+
+FaceSection::FacePoint FaceSection::face_point(const PieceUse& use, const Node& node, double z) const {
+  const HalfEdge& half = scene_->half_edges[use.half_edge];
+  const Edge& edge = scene_->edges[half.edge];
+  const double part = (node.t - edge.range.lo) / edge.range.length();
+  FacePoint result;
+  result.node = node.xy;
+  result.tolerance = std::max(edge.tolerance, 1e-7);
+  const Vec2 uv = evaluate<2>(half.pcurve, half.prange.lo + part * half.prange.length()).point + use.offset;
+  result.chart = uv;
+  const CorrectLimits limits{limits_.height, std::max(20.0 * result.tolerance, 1e-3 * face_->size)};
+  Cell cell = face_->surface.find_cell(uv, Vec2::Zero());
+  auto point = correct(face_->surface, cell, uv, z, face_->sign, -1, limits);
+  if (point) {
+    const Cell ahead = face_->surface.find_cell(point->uv, point->uv_slope);
+    if (!(ahead == cell)) {
+      if (const auto again = correct(face_->surface, ahead, point->uv, z, face_->sign, -1, limits)) point = again;
+    }
+    result.point = *point;
+    result.chart = point->uv;
+    result.point.z = z;
+    result.usable = true;
+  } else {
+    result.point.uv = uv;
+    result.point.xy = node.xy;
+    result.point.z = z;
+  }
+  return result;
+}
+
+FaceSection::FacePoint FaceSection::cut_point(const Family& family, double z) const {
+  const CutLine& cut = face_->cuts[static_cast<std::size_t>(family.cut)];
+  const double u = find_crossing(cut.curve, cut.pieces[family.cut_piece], z, std::nan(""));
+  FacePoint result;
+  result.chart = Vec2(u, cut.v);
+  const Cell cell = face_->surface.find_cell(result.chart, Vec2::Zero());
+  const CorrectLimits limits{limits_.height, 1e-3 * face_->size};
+  const auto point = correct(face_->surface, cell, result.chart, z, face_->sign, -1, limits);
+  result.usable = point.has_value();
+  if (point) result.point = *point;
+  result.point.z = z;
+  result.node = result.point.xy;
+  return result;
+}
+
+bool FaceSection::are_joined(const FacePoint& begin, const FacePoint& end) const {
+  const Vec2 step = end.point.xy - begin.point.xy;
+  const double distance = step.norm();
+  if (distance > 2.0 * std::max(begin.tolerance, end.tolerance)) return false;
+  // The twins of a seam lie together in space but not in the chart.
+  if (length_of(begin.point, end.chart - begin.chart) > 10.0 * distance + 1e-6) return false;
+  return distance <= 1e-7 || step.dot(begin.point.tangent) <= 0.0;
+}
+
+void FaceSection::cut_traced(double z, NodeTable& nodes, Section& out, SectionCounters& counters) {
+  const double inner = inner_height(z);
+  // At the very height of an event the face may be horizontal in a node, where nothing can be traced from.
+  const auto point_of = [&](const PieceUse& use) {
+    const Node& stored = nodes.node(use.piece);
+    FacePoint point = face_point(use, inner == z ? stored : nodes.node_at(use.piece, inner), inner);
+    point.node = stored.xy;
+    return point;
+  };
+  for (const Family& family : families_) {
+    if (family.cut >= 0) {
+      cut_loop(family, inner, out, counters);
+      continue;
+    }
+    const FacePoint begin = point_of(face_->uses[family.begin]);
+    const FacePoint end = point_of(face_->uses[family.end]);
+    cut_arc(begin, end, out, counters);
+  }
+}
+
+void FaceSection::cut_arc(const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters) {
+  if (begin.usable && end.usable) {
+    if (are_joined(begin, end)) {
+      append_chord(begin.node, end.node, begin.point.xy, end.point.xy, false, out);
+      return;
+    }
+    ++counters.traced;
+    if (trace(face_->surface, face_->sign, begin.point, {&end.point, 1}, limits_, traced_)) {
+      append(begin.node, end.node, traced_, out);
+      return;
+    }
+    bridge(begin, end, out, counters);
+    return;
+  }
+  ++counters.doubtful_arcs;
+  append_chord(begin.node, end.node, begin.point.xy, end.point.xy, true, out);
+}
+
+void FaceSection::bridge(const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters) {
+  // traced_ holds what could be followed from the beginning; the same from the end, backward.
+  const Cell cell = face_->surface.find_cell(end.point.uv, -end.point.uv_slope);
+  SectionPoint back = section_point(face_->surface.evaluate(end.point.uv, cell), end.point.uv, -face_->sign);
+  back.z = end.point.z;
+  trace(face_->surface, -face_->sign, back, {}, limits_, backward_);
+  std::size_t from = 0;
+  std::size_t to = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < traced_.points.size(); ++i) {
+    for (std::size_t j = 0; j < backward_.points.size(); ++j) {
+      const double distance = (traced_.points[i].xy - backward_.points[j].xy).squaredNorm();
+      if (distance < least) {
+        least = distance;
+        from = i;
+        to = j;
+      }
+    }
+  }
+  const SectionPoint& a = traced_.points[from];
+  const SectionPoint& b = backward_.points[to];
+  traced_.pieces.resize(from);
+  const Vec2 first = from == 0 ? begin.node : a.xy;
+  const Vec2 second = to == 0 ? end.node : b.xy;
+  if (from > 0) append(begin.node, first, traced_, out);
+  const bool doubtful = !(height_off(a, b) <= std::max(begin.tolerance, end.tolerance));
+  if (doubtful) ++counters.doubtful_arcs;
+  append_chord(first, second, a.xy, b.xy, doubtful, out);
+  if (to == 0) return;
+  traced_.pieces.clear();
+  for (std::size_t j = to; j-- > 0;) traced_.pieces.push_back(reversed(backward_.pieces[j]));
+  append(second, end.node, traced_, out);
+}
+
+double FaceSection::height_off(const SectionPoint& a, const SectionPoint& b) const {
+  const Vec2 middle = 0.5 * (a.uv + b.uv);
+  const Cell cell = face_->surface.find_cell(middle, Vec2::Zero());
+  const SurfacePoint2 at = face_->surface.evaluate(middle, cell);
+  const Vec3 off = at.point - Vec3(0.5 * (a.xy.x() + b.xy.x()), 0.5 * (a.xy.y() + b.xy.y()), a.z);
+  return std::abs(off.dot(at.normal().normalized()));
+}
+
+void FaceSection::cut_loop(const Family& family, double z, Section& out, SectionCounters& counters) {
+  const FacePoint point = cut_point(family, z);
+  ++counters.traced;
+  if (point.usable && trace(face_->surface, face_->sign, point.point, {&point.point, 1}, limits_, traced_)) {
+    append(point.node, point.node, traced_, out);
+  } else {
+    ++counters.doubtful_arcs;  // a loop that can't be traced can't be replaced by a chord either
+  }
+}
+
+void FaceSection::append(const Vec2& begin, const Vec2& end, const TracedArc& arc, Section& out) const {
+  out.arcs.push_back({face_->id, begin, end, static_cast<std::uint32_t>(out.pieces.size()),
+                      static_cast<std::uint32_t>(arc.pieces.size())});
+  out.pieces.insert(out.pieces.end(), arc.pieces.begin(), arc.pieces.end());
+}
+
+void FaceSection::append_chord(const Vec2& begin, const Vec2& end, const Vec2& from, const Vec2& to, bool doubtful,
+                               Section& out) const {
+  out.arcs.push_back({face_->id, begin, end, static_cast<std::uint32_t>(out.pieces.size()), 1, true, doubtful});
+  out.pieces.push_back(straight_piece(from, to));
+}
+
+}  // namespace lamella::span

@@ -1,0 +1,125 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "slicing/span/face_model.h"
+#include "slicing/span/section.h"
+#include "slicing/span/tracer.h"
+
+namespace lamella::span {
+
+/// Where an edge piece crosses a layer.
+struct Node {
+  double t = 0.0;  ///< parameter of the edge's curve
+  Vec2 xy = Vec2::Zero();
+};
+
+/// The nodes of one layer, each computed once and read by both faces of its edge.
+class NodeTable {
+ public:
+  NodeTable(const Scene& scene, const EdgePieces& edges);
+
+  /// Forgets the nodes of the last layer; their parameters stay as first guesses.
+  void start_layer(double z);
+  [[nodiscard]] const Node& node(std::uint32_t piece);
+  /// A node at another height, not kept.
+  [[nodiscard]] Node node_at(std::uint32_t piece, double z) const;
+
+ private:
+  const Scene* scene_;
+  const EdgePieces* edges_;
+  double z_ = 0.0;
+  std::uint32_t layer_ = 0;
+  std::vector<Node> nodes_;
+  std::vector<std::uint32_t> stamp_;
+};
+
+/// Cuts one face layer by layer, upward. What it knows of the band it is in (which node joins which) is carried from
+/// one layer to the next.
+class FaceSection {
+ public:
+  FaceSection(const Scene& scene, const FaceModel& face, const EdgePieces& edges, const TraceLimits& limits);
+
+  /// Appends the face's arcs at height z, the height that `nodes` has been set to.
+  void cut(double z, NodeTable& nodes, Section& out, SectionCounters& counters);
+
+ private:
+  /// An arc as it goes through a band: from one use to another, or a loop from a cut.
+  struct Family {
+    std::uint32_t begin = 0;  ///< in FaceModel::uses
+    std::uint32_t end = 0;
+    std::int32_t cut = -1;  ///< of a loop: index of the cut line and of its piece
+    std::uint32_t cut_piece = 0;
+    double sweep = 0.0;  ///< circles: angle at `z`, positive
+    double z = 0.0;
+  };
+  /// One end of an arc on this face.
+  struct FacePoint {
+    SectionPoint point;
+    Vec2 chart = Vec2::Zero();  ///< (u, v) in the face's chart
+    Vec2 node = Vec2::Zero();   ///< stored
+    double tolerance = 0.0;
+    bool usable = false;
+  };
+
+  void enter_band(std::size_t band, NodeTable& nodes, SectionCounters& counters);
+  void pair_plane(double z, const NodeTable& nodes);
+  void pair_sphere(double z, const NodeTable& nodes);
+  void pair_traced(double z, const NodeTable& nodes);
+  void join(std::uint32_t begin, std::uint32_t end);
+  void pair_neighbors();
+  void trace_starts();
+  void pair_rest();
+  void find_roots(double z);
+  void visit_roots(const TracedArc& arc);
+  void find_loops(double z);
+
+  void cut_plane(double z, NodeTable& nodes, Section& out) const;
+  void cut_sphere(double z, NodeTable& nodes, Section& out);
+  void cut_traced(double z, NodeTable& nodes, Section& out, SectionCounters& counters);
+  void cut_arc(const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters);
+  /// An arc that can't be followed from end to end: both ways as far as they come nearest, and a chord between.
+  void bridge(const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters);
+  /// Distance of the face from the middle of the chord between two of its points, mm.
+  [[nodiscard]] double height_off(const SectionPoint& a, const SectionPoint& b) const;
+  void cut_loop(const Family& family, double z, Section& out, SectionCounters& counters);
+
+  [[nodiscard]] double inner_height(double z) const;
+  [[nodiscard]] FacePoint face_point(const PieceUse& use, const Node& node, double z) const;
+  [[nodiscard]] FacePoint cut_point(const Family& family, double z) const;
+  [[nodiscard]] bool are_joined(const FacePoint& begin, const FacePoint& end) const;
+  [[nodiscard]] double angle_of(const Vec2& xy) const;
+  [[nodiscard]] double sphere_turn() const;
+  [[nodiscard]] bool is_whole_circle(double z) const;
+  [[nodiscard]] double sweep_between(const Vec2& begin, const Vec2& end) const;
+  double follow_sweep(Family& family, double z, const NodeTable& nodes) const;
+  void append(const Vec2& begin, const Vec2& end, const TracedArc& arc, Section& out) const;
+  void append_chord(const Vec2& begin, const Vec2& end, const Vec2& from, const Vec2& to, bool doubtful,
+                    Section& out) const;
+
+  const Scene* scene_;
+  const FaceModel* face_;
+  const EdgePieces* edges_;
+  TraceLimits limits_;
+  std::optional<std::size_t> band_;
+  std::vector<Family> families_;
+  TracedArc traced_;
+  TracedArc backward_;
+
+  // Of the band being entered.
+  struct CutRoot {
+    std::uint32_t cut = 0;
+    std::uint32_t piece = 0;
+    double u = 0.0;
+    bool visited = false;
+  };
+  std::vector<std::uint32_t> starts_;  ///< uses that cross the band
+  std::vector<std::uint32_t> ends_;
+  std::vector<FacePoint> points_;  ///< one a use
+  std::vector<std::uint8_t> is_paired_;
+  std::vector<CutRoot> roots_;
+};
+
+}  // namespace lamella::span

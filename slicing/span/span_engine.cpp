@@ -1,0 +1,124 @@
+#include "slicing/span/span_engine.h"
+
+#include <algorithm>
+#include <memory>
+
+#include "core/parallel.h"
+#include "slicing/span/face_model.h"
+#include "slicing/span/face_section.h"
+#include "slicing/span/row_cast.h"
+
+namespace lamella {
+
+using namespace span;
+
+namespace {
+
+/// One solid, prepared.
+struct SolidSpans {
+  SolidId id;
+  EdgePieces edges;
+  std::vector<FaceModel> faces;
+  double low = 0.0;  ///< range of heights of its faces
+  double high = 0.0;
+
+  SolidSpans(const Scene& scene, SolidId solid) : id(solid), edges(scene, solid) {
+    for (const ShellId shell : scene.solids[solid].shells) {
+      for (const FaceId face : scene.shells[shell].faces) {
+        faces.emplace_back(scene, face, edges);
+        if (faces.back().events.empty()) faces.pop_back();
+      }
+    }
+    if (faces.empty()) return;
+    low = faces.front().events.front();
+    high = faces.front().events.back();
+    for (const FaceModel& face : faces) {
+      low = std::min(low, face.events.front());
+      high = std::max(high, face.events.back());
+    }
+  }
+
+  [[nodiscard]] bool meets(double from, double to) const { return low <= to && from <= high; }
+};
+
+/// What is carried through a slab for one solid.
+class SolidSlab {
+ public:
+  SolidSlab(const Scene& scene, const SolidSpans& solid, double from, double to, const TraceLimits& limits)
+      : solid_(&solid), nodes_(scene, solid.edges) {
+    for (const FaceModel& face : solid.faces) {
+      if (face.events.front() <= to && from < face.events.back()) faces_.emplace_back(scene, face, solid.edges, limits);
+    }
+  }
+
+  void cut(double z, Section& out, SectionCounters& counters) {
+    if (!solid_->meets(z, z)) return;
+    nodes_.start_layer(z);
+    for (FaceSection& face : faces_) face.cut(z, nodes_, out, counters);
+  }
+
+ private:
+  const SolidSpans* solid_;
+  NodeTable nodes_;
+  std::vector<FaceSection> faces_;
+};
+
+}  // namespace
+
+struct SpanEngine::Data {
+  const Scene* scene = nullptr;
+  SpanOptions options;
+  std::vector<std::unique_ptr<const SolidSpans>> solids;
+  std::vector<Finding> findings;
+
+  [[nodiscard]] TraceLimits limits() const {
+    TraceLimits limits;
+    limits.tolerance = options.tolerance;
+    return limits;
+  }
+};
+
+SpanEngine::SpanEngine(const Scene& scene, std::span<const SolidId> solids, const SpanOptions& options,
+                       const Progress& progress)
+    : data_(std::make_unique<Data>()) {
+  data_->scene = &scene;
+  data_->options = options;
+  data_->solids.resize(solids.size());
+  parallel_for(
+      solids.size(),
+      [&](std::size_t i) {
+        progress.throw_if_cancelled();
+        data_->solids[i] = std::make_unique<const SolidSpans>(scene, solids[i]);
+      },
+      options.threads);
+}
+
+SpanEngine::~SpanEngine() = default;
+SpanEngine::SpanEngine(SpanEngine&&) noexcept = default;
+
+void SpanEngine::cut(std::span<const LayerRequest> slab, std::span<LayerSpans> out) const {
+  if (slab.empty()) return;
+  std::vector<SolidSlab> solids;
+  const double from = slab.front().z;
+  const double to = slab.back().z;
+  for (const auto& solid : data_->solids) {
+    if (solid->meets(from, to)) solids.emplace_back(*data_->scene, *solid, from, to, data_->limits());
+  }
+  RowCast rows(*data_->scene);
+  Section section;
+  SectionCounters counters;
+  for (std::size_t i = 0; i < slab.size(); ++i) {
+    section.clear();
+    for (SolidSlab& solid : solids) solid.cut(slab[i].z, section, counters);
+    out[i].lattices.resize(slab[i].lattices.size());
+    for (std::size_t k = 0; k < slab[i].lattices.size(); ++k) {
+      rows.cast(section, slab[i].lattices[k], out[i].lattices[k], out[i].cast);
+    }
+  }
+}
+
+std::vector<SectionLoop> SpanEngine::contours(SolidId, double, double) const { return {}; }
+
+const std::vector<Finding>& SpanEngine::findings() const { return data_->findings; }
+
+}  // namespace lamella
