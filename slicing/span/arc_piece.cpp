@@ -98,6 +98,17 @@ ArcPiece reversed(const ArcPiece& piece) {
   return result;
 }
 
+bool join_points(const SectionPoint& a, const SectionPoint& b, ArcPiece& piece) {
+  const Vec2 weight = chord_weight(a, b);
+  const double span = weight.dot(b.uv - a.uv);
+  if (!(span > 0.0)) return false;
+  const End from = end_of(a, weight, span);
+  const End to = end_of(b, weight, span);
+  if (!is_even(from, to, (b.xy - a.xy).norm())) return false;
+  piece = joined(from.xy, to.xy);
+  return true;
+}
+
 PieceFit fit_piece(const SectionSurface& surface, const Cell& cell, const SectionPoint& a, const SectionPoint& b) {
   PieceFit fit;
   fit.error = std::numeric_limits<double>::infinity();

@@ -39,6 +39,9 @@ struct PieceFit {
 [[nodiscard]] PieceFit fit_piece(const SectionSurface& surface, const Cell& cell, const SectionPoint& a,
                                  const SectionPoint& b);
 
+/// The same without the measurement: false when the two points can't be joined by one piece.
+[[nodiscard]] bool join_points(const SectionPoint& a, const SectionPoint& b, ArcPiece& piece);
+
 /// (u, v) at parameter t of a fitted piece.
 [[nodiscard]] Vec2 uv_at(const PieceFit& fit, const SectionPoint& a, const SectionPoint& b, double t);
 

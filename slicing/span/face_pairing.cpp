@@ -10,10 +10,10 @@
 
 namespace lamella::span {
 
-void FaceSection::enter_band(std::size_t band, NodeTable& nodes, SectionCounters& counters) {
+void FaceSection::enter_band(std::size_t band, double layer_z, NodeTable& nodes, SectionCounters& counters) {
   band_ = band;
-  families_.clear();
   const double z = 0.5 * (face_->events[band] + face_->events[band + 1]);
+  if (face_->kind != SectionKind::traced) families_.clear();
   starts_.clear();
   ends_.clear();
   for (std::uint32_t i = 0; i < face_->uses.size(); ++i) {
@@ -29,6 +29,8 @@ void FaceSection::enter_band(std::size_t band, NodeTable& nodes, SectionCounters
       pair_sphere(z, nodes);
       break;
     case SectionKind::traced:
+      is_paired_.assign(face_->uses.size(), 0);
+      carry_families(layer_z, nodes, counters);
       pair_traced(z, nodes);
       break;
   }
@@ -105,19 +107,74 @@ bool FaceSection::is_whole_circle(double z) const {
   return face_->region->classify(uv) == TrimRegion::Side::inside;
 }
 
+void FaceSection::carry_families(double z, NodeTable& nodes, SectionCounters& counters) {
+  // An arc that can be carried over the event, every piece measured, is the same arc on the other side of it.
+  const double inner = inner_height(z);
+  std::vector<Family> kept;
+  for (Family& family : families_) {
+    CarriedArc& carried = family.carried;
+    if (carried.empty()) continue;
+    bool holds = false;
+    if (family.cut >= 0) {
+      const MonotonePiece& piece = face_->cuts[static_cast<std::size_t>(family.cut)].pieces[family.cut_piece];
+      if (!piece.crosses(inner)) continue;
+      const FacePoint seed = cut_point(family, inner);
+      holds = seed.usable &&
+              carry(face_->surface, face_->sign, seed.point, seed.point, inner, limits_, true, carried);
+    } else {
+      const bool is_there = std::binary_search(starts_.begin(), starts_.end(), family.begin) &&
+                            std::binary_search(ends_.begin(), ends_.end(), family.end);
+      if (!is_there) continue;
+      const FacePoint begin = layer_point(family.begin, z, inner, nodes);
+      const FacePoint end = layer_point(family.end, z, inner, nodes);
+      holds = begin.usable && end.usable &&
+              carry(face_->surface, face_->sign, begin.point, end.point, inner, limits_, true, carried);
+      if (holds) is_paired_[family.begin] = is_paired_[family.end] = 1;
+    }
+    if (holds) kept.push_back(std::move(family));
+  }
+  families_ = std::move(kept);
+  drop_pierced_families(inner, nodes);
+  counters.carried_families += families_.size();
+}
+
+void FaceSection::drop_pierced_families(double inner, NodeTable& nodes) {
+  // A border that begins at the event may cut through an arc that goes on analytically.
+  std::vector<Vec2> fresh;
+  for (const auto* uses : {&starts_, &ends_}) {
+    for (const std::uint32_t use : *uses) {
+      if (is_paired_[use] == 0) fresh.push_back(nodes.node_at(face_->uses[use].piece, inner).xy);
+    }
+  }
+  std::erase_if(families_, [&](const Family& family) {
+    const auto is_pierced = [&](const Vec2& node) { return passes_near(family.carried.arc, node); };
+    if (std::none_of(fresh.begin(), fresh.end(), is_pierced)) return false;
+    if (family.cut < 0) is_paired_[family.begin] = is_paired_[family.end] = 0;
+    return true;
+  });
+}
+
+bool FaceSection::passes_near(const TracedArc& arc, const Vec2& xy) {
+  for (std::size_t i = 0; i + 1 < arc.points.size(); ++i) {
+    const Vec2 chord = arc.points[i + 1].xy - arc.points[i].xy;
+    const double square = chord.squaredNorm();
+    const double along = std::clamp(chord.dot(xy - arc.points[i].xy) / square, 0.0, 1.0);
+    // An arc that turns by less than 0.6 stays within a sixth of its chord from it; near is enough to look again.
+    if ((xy - arc.points[i].xy - along * chord).squaredNorm() <= 0.04 * square) return true;
+  }
+  return false;
+}
+
 void FaceSection::pair_traced(double z, const NodeTable& nodes) {
   points_.resize(face_->uses.size());
   for (const auto* uses : {&starts_, &ends_}) {
     for (const std::uint32_t use : *uses) {
-      points_[use] = face_point(face_->uses[use], nodes.node_at(face_->uses[use].piece, z), z);
+      if (is_paired_[use] == 0) points_[use] = face_point(face_->uses[use], nodes.node_at(face_->uses[use].piece, z), z);
     }
   }
-  is_paired_.assign(face_->uses.size(), 0);
-  find_roots(z);
   pair_neighbors();
   trace_starts();
   pair_rest();
-  find_loops(z);
 }
 
 void FaceSection::join(std::uint32_t begin, std::uint32_t end) {
@@ -158,7 +215,6 @@ void FaceSection::trace_starts() {
       ids.push_back(end);
     }
     if (!trace(face_->surface, face_->sign, points_[start].point, targets, limits_, traced_)) continue;
-    visit_roots(traced_);
     join(start, ids[traced_.target]);
   }
 }
@@ -214,6 +270,11 @@ void FaceSection::visit_roots(const TracedArc& arc) {
 }
 
 void FaceSection::find_loops(double z) {
+  find_roots(z);
+  if (roots_.empty()) return;
+  for (const Family& family : families_) {
+    if (!family.carried.empty()) visit_roots(family.carried.arc);
+  }
   for (std::size_t i = 0; i < roots_.size(); ++i) {
     if (roots_[i].visited) continue;
     const CutLine& line = face_->cuts[roots_[i].cut];
@@ -223,16 +284,14 @@ void FaceSection::find_loops(double z) {
     family.cut_piece = roots_[i].piece;
     const FacePoint seed = cut_point(family, z);
     if (!seed.usable) continue;
-    // Whatever ends on a node is an arc that has been found already.
-    std::vector<SectionPoint> targets{seed.point};
-    for (const std::uint32_t end : ends_) {
-      if (points_[end].usable) targets.push_back(points_[end].point);
-    }
-    const bool landed = trace(face_->surface, face_->sign, seed.point, targets, limits_, traced_);
     roots_[i].visited = true;
-    if (!landed || traced_.target != 0) continue;
-    visit_roots(traced_);
-    families_.push_back(family);
+    // What runs into an end node is an arc that has been found already.
+    end_points_.front() = seed.point;
+    const bool landed = trace(face_->surface, face_->sign, seed.point, end_points_, limits_, family.carried.arc);
+    if (!landed || family.carried.arc.target != 0) continue;
+    family.carried.start(z);
+    visit_roots(family.carried.arc);
+    families_.push_back(std::move(family));
   }
 }
 

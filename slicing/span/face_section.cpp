@@ -50,6 +50,7 @@ double circle_step(double radius, double tolerance) {
 SectionCounters& SectionCounters::operator+=(const SectionCounters& other) {
   arcs += other.arcs;
   families += other.families;
+  carried_families += other.carried_families;
   traced += other.traced;
   doubtful_arcs += other.doubtful_arcs;
   unbalanced += other.unbalanced;
@@ -95,7 +96,9 @@ FaceSection::FaceSection(const Scene& scene, const FaceModel& face, const EdgePi
 void FaceSection::cut(double z, NodeTable& nodes, Section& out, SectionCounters& counters) {
   const auto band = face_->band_of(z);
   if (!band) return;
-  if (band != band_) enter_band(*band, nodes, counters);
+  entered_ = band != band_;
+  layers_in_band_ = entered_ ? 0 : layers_in_band_ + 1;
+  if (entered_) enter_band(*band, z, nodes, counters);
   const std::size_t before = out.arcs.size();
   switch (face_->kind) {
     case SectionKind::plane:
@@ -241,42 +244,68 @@ bool FaceSection::are_joined(const FacePoint& begin, const FacePoint& end) const
   return distance <= 1e-7 || step.dot(begin.point.tangent) <= 0.0;
 }
 
+FaceSection::FacePoint FaceSection::layer_point(std::uint32_t use, double z, double inner, NodeTable& nodes) const {
+  const PieceUse& piece_use = face_->uses[use];
+  const Node& stored = nodes.node(piece_use.piece);
+  // At the very height of an event the face may be horizontal in a node, where nothing can be traced from.
+  FacePoint point = face_point(piece_use, inner == z ? stored : nodes.node_at(piece_use.piece, inner), inner);
+  point.node = stored.xy;
+  return point;
+}
+
 void FaceSection::cut_traced(double z, NodeTable& nodes, Section& out, SectionCounters& counters) {
   const double inner = inner_height(z);
-  // At the very height of an event the face may be horizontal in a node, where nothing can be traced from.
-  const auto point_of = [&](const PieceUse& use) {
-    const Node& stored = nodes.node(use.piece);
-    FacePoint point = face_point(use, inner == z ? stored : nodes.node_at(use.piece, inner), inner);
-    point.node = stored.xy;
-    return point;
-  };
-  for (const Family& family : families_) {
+  end_points_.resize(1);  // the first place is for the seed of a loop
+  for (Family& family : families_) {
     if (family.cut >= 0) {
       cut_loop(family, inner, out, counters);
       continue;
     }
-    const FacePoint begin = point_of(face_->uses[family.begin]);
-    const FacePoint end = point_of(face_->uses[family.end]);
-    cut_arc(begin, end, out, counters);
+    const FacePoint begin = layer_point(family.begin, z, inner, nodes);
+    const FacePoint end = layer_point(family.end, z, inner, nodes);
+    cut_arc(family, begin, end, out, counters);
+    if (entered_ && end.usable) end_points_.push_back(end.point);
+  }
+  if (entered_ && !face_->cuts.empty()) {
+    const std::size_t known = families_.size();
+    find_loops(inner);
+    for (std::size_t i = known; i < families_.size(); ++i) cut_loop(families_[i], inner, out, counters);
   }
 }
 
-void FaceSection::cut_arc(const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters) {
-  if (begin.usable && end.usable) {
-    if (are_joined(begin, end)) {
-      append_chord(begin.node, end.node, begin.point.xy, end.point.xy, false, out);
-      return;
-    }
-    ++counters.traced;
-    if (trace(face_->surface, face_->sign, begin.point, {&end.point, 1}, limits_, traced_)) {
-      append(begin.node, end.node, traced_, out);
-      return;
-    }
-    bridge(begin, end, out, counters);
+void FaceSection::cut_arc(Family& family, const FacePoint& begin, const FacePoint& end, Section& out,
+                          SectionCounters& counters) {
+  if (!begin.usable || !end.usable) {
+    family.carried.arc.clear();
+    ++counters.doubtful_arcs;
+    append_chord(begin.node, end.node, begin.point.xy, end.point.xy, true, out);
     return;
   }
-  ++counters.doubtful_arcs;
-  append_chord(begin.node, end.node, begin.point.xy, end.point.xy, true, out);
+  if (are_joined(begin, end)) {
+    family.carried.arc.clear();
+    append_chord(begin.node, end.node, begin.point.xy, end.point.xy, false, out);
+    return;
+  }
+  CarriedArc& carried = family.carried;
+  const double z = begin.point.z;
+  if (!carried.empty() && carried.z == z) {
+    append(begin.node, end.node, carried.arc.pieces, out);
+    return;
+  }
+  if (!carried.empty() &&
+      carry(face_->surface, face_->sign, begin.point, end.point, z, limits_, measures_now(), carried)) {
+    append(begin.node, end.node, carried.arc.pieces, out);
+    return;
+  }
+  ++counters.traced;
+  if (trace(face_->surface, face_->sign, begin.point, {&end.point, 1}, limits_, carried.arc)) {
+    carried.start(z);
+    append(begin.node, end.node, carried.arc.pieces, out);
+    return;
+  }
+  std::swap(traced_, carried.arc);
+  carried.arc.clear();
+  bridge(begin, end, out, counters);
 }
 
 void FaceSection::bridge(const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters) {
@@ -303,14 +332,14 @@ void FaceSection::bridge(const FacePoint& begin, const FacePoint& end, Section& 
   traced_.pieces.resize(from);
   const Vec2 first = from == 0 ? begin.node : a.xy;
   const Vec2 second = to == 0 ? end.node : b.xy;
-  if (from > 0) append(begin.node, first, traced_, out);
+  if (from > 0) append(begin.node, first, traced_.pieces, out);
   const bool doubtful = !(height_off(a, b) <= std::max(begin.tolerance, end.tolerance));
   if (doubtful) ++counters.doubtful_arcs;
   append_chord(first, second, a.xy, b.xy, doubtful, out);
   if (to == 0) return;
   traced_.pieces.clear();
   for (std::size_t j = to; j-- > 0;) traced_.pieces.push_back(reversed(backward_.pieces[j]));
-  append(second, end.node, traced_, out);
+  append(second, end.node, traced_.pieces, out);
 }
 
 double FaceSection::height_off(const SectionPoint& a, const SectionPoint& b) const {
@@ -321,20 +350,29 @@ double FaceSection::height_off(const SectionPoint& a, const SectionPoint& b) con
   return std::abs(off.dot(at.normal().normalized()));
 }
 
-void FaceSection::cut_loop(const Family& family, double z, Section& out, SectionCounters& counters) {
-  const FacePoint point = cut_point(family, z);
+void FaceSection::cut_loop(Family& family, double z, Section& out, SectionCounters& counters) {
+  const FacePoint seed = cut_point(family, z);
+  CarriedArc& carried = family.carried;
+  if (seed.usable && !carried.empty() &&
+      (carried.z == z ||
+       carry(face_->surface, face_->sign, seed.point, seed.point, z, limits_, measures_now(), carried))) {
+    append(seed.node, seed.node, carried.arc.pieces, out);
+    return;
+  }
   ++counters.traced;
-  if (point.usable && trace(face_->surface, face_->sign, point.point, {&point.point, 1}, limits_, traced_)) {
-    append(point.node, point.node, traced_, out);
+  if (seed.usable && trace(face_->surface, face_->sign, seed.point, {&seed.point, 1}, limits_, carried.arc)) {
+    carried.start(z);
+    append(seed.node, seed.node, carried.arc.pieces, out);
   } else {
+    carried.arc.clear();
     ++counters.doubtful_arcs;  // a loop that can't be traced can't be replaced by a chord either
   }
 }
 
-void FaceSection::append(const Vec2& begin, const Vec2& end, const TracedArc& arc, Section& out) const {
-  out.arcs.push_back({face_->id, begin, end, static_cast<std::uint32_t>(out.pieces.size()),
-                      static_cast<std::uint32_t>(arc.pieces.size())});
-  out.pieces.insert(out.pieces.end(), arc.pieces.begin(), arc.pieces.end());
+void FaceSection::append(const Vec2& begin, const Vec2& end, const std::vector<ArcPiece>& pieces, Section& out) const {
+  out.arcs.push_back(
+      {face_->id, begin, end, static_cast<std::uint32_t>(out.pieces.size()), static_cast<std::uint32_t>(pieces.size())});
+  out.pieces.insert(out.pieces.end(), pieces.begin(), pieces.end());
 }
 
 void FaceSection::append_chord(const Vec2& begin, const Vec2& end, const Vec2& from, const Vec2& to, bool doubtful,

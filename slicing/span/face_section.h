@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "slicing/span/face_model.h"
+#include "slicing/span/propagate.h"
 #include "slicing/span/section.h"
 #include "slicing/span/tracer.h"
 
@@ -52,6 +53,7 @@ class FaceSection {
     std::uint32_t end = 0;
     std::int32_t cut = -1;  ///< of a loop: index of the cut line and of its piece
     std::uint32_t cut_piece = 0;
+    CarriedArc carried;  ///< what the last layer left
     double sweep = 0.0;  ///< circles: angle at `z`, positive
     double z = 0.0;
   };
@@ -64,7 +66,7 @@ class FaceSection {
     bool usable = false;
   };
 
-  void enter_band(std::size_t band, NodeTable& nodes, SectionCounters& counters);
+  void enter_band(std::size_t band, double z, NodeTable& nodes, SectionCounters& counters);
   void pair_plane(double z, const NodeTable& nodes);
   void pair_sphere(double z, const NodeTable& nodes);
   void pair_traced(double z, const NodeTable& nodes);
@@ -79,12 +81,17 @@ class FaceSection {
   void cut_plane(double z, NodeTable& nodes, Section& out) const;
   void cut_sphere(double z, NodeTable& nodes, Section& out);
   void cut_traced(double z, NodeTable& nodes, Section& out, SectionCounters& counters);
-  void cut_arc(const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters);
+  void carry_families(double z, NodeTable& nodes, SectionCounters& counters);
+  void drop_pierced_families(double inner, NodeTable& nodes);
+  [[nodiscard]] static bool passes_near(const TracedArc& arc, const Vec2& xy);
+  void cut_arc(Family& family, const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters);
+  [[nodiscard]] FacePoint layer_point(std::uint32_t use, double z, double inner, NodeTable& nodes) const;
+  [[nodiscard]] bool measures_now() const { return entered_ || layers_in_band_ % kMeasuredLayers == 0; }
   /// An arc that can't be followed from end to end: both ways as far as they come nearest, and a chord between.
   void bridge(const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters);
   /// Distance of the face from the middle of the chord between two of its points, mm.
   [[nodiscard]] double height_off(const SectionPoint& a, const SectionPoint& b) const;
-  void cut_loop(const Family& family, double z, Section& out, SectionCounters& counters);
+  void cut_loop(Family& family, double z, Section& out, SectionCounters& counters);
 
   [[nodiscard]] double inner_height(double z) const;
   [[nodiscard]] FacePoint face_point(const PieceUse& use, const Node& node, double z) const;
@@ -95,7 +102,7 @@ class FaceSection {
   [[nodiscard]] bool is_whole_circle(double z) const;
   [[nodiscard]] double sweep_between(const Vec2& begin, const Vec2& end) const;
   double follow_sweep(Family& family, double z, const NodeTable& nodes) const;
-  void append(const Vec2& begin, const Vec2& end, const TracedArc& arc, Section& out) const;
+  void append(const Vec2& begin, const Vec2& end, const std::vector<ArcPiece>& pieces, Section& out) const;
   void append_chord(const Vec2& begin, const Vec2& end, const Vec2& from, const Vec2& to, bool doubtful,
                     Section& out) const;
 
@@ -103,7 +110,12 @@ class FaceSection {
   const FaceModel* face_;
   const EdgePieces* edges_;
   TraceLimits limits_;
+  /// Pieces of carried arcs are measured against the surface on every layer of this number, and in a new band.
+  static constexpr int kMeasuredLayers = 4;
+
   std::optional<std::size_t> band_;
+  bool entered_ = false;  ///< this layer is the first in its band
+  int layers_in_band_ = 0;
   std::vector<Family> families_;
   TracedArc traced_;
   TracedArc backward_;
@@ -120,6 +132,7 @@ class FaceSection {
   std::vector<FacePoint> points_;  ///< one a use
   std::vector<std::uint8_t> is_paired_;
   std::vector<CutRoot> roots_;
+  std::vector<SectionPoint> end_points_;  ///< of the arcs on this layer, behind a place for a loop's seed
 };
 
 }  // namespace lamella::span

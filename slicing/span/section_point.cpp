@@ -7,6 +7,7 @@ SectionPoint section_point(const SurfacePoint2& at, const Vec2& uv, double sign)
   point.uv = uv;
   point.xy = at.point.head<2>();
   point.z = at.point.z();
+  point.height_slope = Vec2(at.du.z(), at.dv.z());
   const Vec3 normal = sign * at.normal();
   const double horizontal = normal.head<2>().norm();
   const double inverse = 1.0 / horizontal;
@@ -41,6 +42,17 @@ Vec2 steepest_step(const SurfacePoint& at, double dz) {
   const Vec2 gradient(g * at.du.z() - f * at.dv.z(), e * at.dv.z() - f * at.du.z());
   const double slope = at.du.z() * gradient[0] + at.dv.z() * gradient[1];
   return gradient * (dz / slope);
+}
+
+Vec2 rise_of(const SectionPoint& at, int fixed_axis) {
+  Vec2 step = Vec2::Zero();
+  if (fixed_axis >= 0) {
+    step[1 - fixed_axis] = 1.0 / at.height_slope[1 - fixed_axis];
+    return step;
+  }
+  step = Vec2(at.metric[2] * at.height_slope[0] - at.metric[1] * at.height_slope[1],
+              at.metric[0] * at.height_slope[1] - at.metric[1] * at.height_slope[0]);
+  return step / step.dot(at.height_slope);
 }
 
 std::optional<SectionPoint> correct(const SectionSurface& surface, const Cell& cell, Vec2 uv, double z, double sign,

@@ -16,6 +16,7 @@ struct SectionPoint {
   double z = 0.0;
   Vec2 tangent = Vec2::Zero();  ///< unit length, along the run
   double curvature = 0.0;       ///< 1/mm, positive where the section turns left
+  Vec2 height_slope = Vec2::Zero();  ///< S_u.z, S_v.z
   Vec2 uv_slope = Vec2::Zero();  ///< d(u, v) / ds, s the arc length
   Vec2 uv_bend = Vec2::Zero();   ///< its derivative by s
   double metric[3] = {0.0, 0.0, 0.0};  ///< S_u.S_u, S_u.S_v, S_v.S_v
@@ -27,6 +28,10 @@ struct SectionPoint {
 
 /// A step in (u, v) that changes z by `dz` and is the shortest such on the surface.
 [[nodiscard]] Vec2 steepest_step(const SurfacePoint& at, double dz);
+
+/// The same from a point that has been evaluated, for dz = 1; along the line u = const (axis 0) or v = const (1) if the
+/// point is fixed to one.
+[[nodiscard]] Vec2 rise_of(const SectionPoint& at, int fixed_axis);
 
 /// Length on the surface of a step in (u, v).
 [[nodiscard]] inline double length_of(const SectionPoint& at, const Vec2& step) {

@@ -64,6 +64,18 @@ std::vector<double> distinct(const std::vector<double>& knots, double lo, double
   return breaks;
 }
 
+/// Whether no inner knot comes more often than leaves the curve its second derivative.
+bool has_second_derivatives(const std::vector<double>& knots, int degree) {
+  const double lo = knots[static_cast<std::size_t>(degree)];
+  const double hi = knots[knots.size() - 1 - static_cast<std::size_t>(degree)];
+  int run = 0;
+  for (std::size_t i = 0; i < knots.size(); ++i) {
+    run = i > 0 && knots[i] == knots[i - 1] ? run + 1 : 1;
+    if (knots[i] > lo && knots[i] < hi && run > degree - 2) return false;
+  }
+  return true;
+}
+
 Vec4 homogeneous(const Vec3& pole, double weight, const Vec3& origin) {
   Vec4 point;
   point << weight * (pole - origin), weight;
@@ -169,12 +181,15 @@ SectionSurface::SectionSurface(const Surface& surface) : surface_(&surface), per
   if (spline != nullptr) {
     kind_ = Kind::spline;
     nets_ = BezierNets(*spline);
+    is_smooth_ = has_second_derivatives(spline->knots_u, spline->degree_u) &&
+                 has_second_derivatives(spline->knots_v, spline->degree_v);
     breaks_u_ = nets_.breaks_u();
     breaks_v_ = nets_.breaks_v();
   } else if (const auto* extrusion = std::get_if<Extrusion>(&surface)) {
     kind_ = Kind::extrusion;
     if (const auto* basis = std::get_if<BSplineCurve<3>>(&extrusion->basis)) {
       nets_ = BezierNets(*basis);
+      is_smooth_ = has_second_derivatives(basis->knots, basis->degree);
       breaks_u_ = nets_.breaks_u();
       has_nets_ = true;
     }
@@ -182,6 +197,7 @@ SectionSurface::SectionSurface(const Surface& surface) : surface_(&surface), per
     kind_ = Kind::revolution;
     if (const auto* meridian = std::get_if<BSplineCurve<3>>(&revolution->meridian)) {
       nets_ = BezierNets(*meridian);
+      is_smooth_ = has_second_derivatives(meridian->knots, meridian->degree);
       breaks_v_ = nets_.breaks_u();
       has_nets_ = true;
     }

@@ -57,6 +57,10 @@ class SectionSurface {
   /// Whether there is another cell beyond the cell's upper (or lower) limit.
   [[nodiscard]] bool has_neighbor(const Cell& cell, int axis, bool upper) const;
 
+  [[nodiscard]] bool has_cells() const { return !breaks_u_.empty() || !breaks_v_.empty(); }
+  /// Whether second derivatives agree on both sides of every limit between cells.
+  [[nodiscard]] bool is_smooth() const { return is_smooth_; }
+
   [[nodiscard]] const Vec2& periods() const { return periods_; }
   [[nodiscard]] const Surface& surface() const { return *surface_; }
 
@@ -68,6 +72,7 @@ class SectionSurface {
 
   const Surface* surface_;
   Kind kind_ = Kind::analytic;
+  bool is_smooth_ = true;
   bool has_nets_ = false;  ///< the basis or meridian is a B-spline
   BezierNets nets_;
   std::vector<double> breaks_u_;  ///< ascending, empty where there are no cells

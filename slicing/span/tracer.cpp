@@ -104,6 +104,7 @@ class Trace {
   bool run(const SectionPoint& start) {
     arc_.clear();
     arc_.points.push_back(start);
+    arc_.axes.push_back(-1);
     z_ = start.z;
     cell_ = surface_.find_cell(start.uv, start.uv_slope);
     current_ = start;
@@ -214,20 +215,21 @@ class Trace {
       if (chord > 1e-2 * limits_.landing && end.uv_bend.allFinite()) return false;
       fit.piece = straight_piece(current_.xy, end.xy);
     }
-    push(end, fit.piece);
+    push(end, fit.piece, -1);
     arc_.target = target;
     arc_.landed = true;
     return true;
   }
 
-  void push(const SectionPoint& point, const ArcPiece& piece) {
+  void push(const SectionPoint& point, const ArcPiece& piece, int axis) {
     arc_.points.push_back(point);
+    arc_.axes.push_back(static_cast<std::int8_t>(axis));
     arc_.cells.push_back(cell_);
     arc_.pieces.push_back(piece);
   }
 
   bool advance(const Step& step) {
-    push(step.next, step.fit.piece);
+    push(step.next, step.fit.piece, step.exit.axis);
     length_ = step.exit.length * grow_;
     if (step.exit.axis >= 0) length_ = std::max(length_, 0.5 * limits_.longest);
     current_ = step.next;

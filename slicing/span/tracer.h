@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -21,6 +22,7 @@ struct TraceLimits {
 struct TracedArc {
   std::vector<SectionPoint> points;
   std::vector<Cell> cells;  ///< one a piece
+  std::vector<std::int8_t> axes;  ///< one a point: 0 or 1 where it lies on a cell limit u or v = const, else -1
   std::vector<ArcPiece> pieces;
   std::size_t target = 0;  ///< index of the target it ended on
   bool landed = false;
@@ -28,6 +30,7 @@ struct TracedArc {
   void clear() {
     points.clear();
     cells.clear();
+    axes.clear();
     pieces.clear();
     landed = false;
   }
