@@ -30,7 +30,6 @@ nlohmann::json describe_machine(const std::string& commit) {
           {"cores", std::thread::hardware_concurrency()},
           {"compiler", "g++ " __VERSION__},
           {"build", LAMELLA_BUILD_TYPE},
-          {"span_engine", LAMELLA_HAS_SPAN_ENGINE ? "span" : "reference engine in its place"},
           {"commit", commit},
           {"time", utc_now()}};
 }

@@ -131,6 +131,7 @@ nlohmann::json Measurement::check() {
   std::uint64_t hits = 0;
   std::uint64_t rows = 0;
   std::uint64_t odd = 0;
+  CastCounters counters;
   for (const Batch& batch : batches_) {
     peer_->cast(batch);
     peer_->visit([&](std::size_t, std::int32_t, std::int32_t, std::span<const double> x) {
@@ -138,10 +139,13 @@ nlohmann::json Measurement::check() {
       odd += x.size() % 2;
       ++rows;
     });
+    counters += peer_->counters();
   }
   result["hits"] = hits;
   result["solid_rows"] = rows;
-  result["odd_rows"] = odd;
+  result["odd_rows"] = odd + counters.unclosed_rays;
+  result["repaired_rows"] = counters.repaired_rays;
+  result["uncertain_hits"] = counters.uncertain_hits;
   result["error"] = compare();
   return result;
 }

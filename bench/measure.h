@@ -33,7 +33,8 @@ class Measurement {
   /// Casts the peer's share of the rows, as often as said: CPU seconds of one pass.
   [[nodiscard]] double run();
 
-  /// {"hits", "solid_rows", "odd_rows", "peak_mib", "error": {"rows", "count_mismatches", "mean", "max"}}.
+  /// {"hits", "solid_rows", "odd_rows" (or reported as unclosed), "repaired_rows", "uncertain_hits", "peak_mib",
+  /// "error": {"rows", "count_mismatches", "mean", "max"}}.
   [[nodiscard]] nlohmann::json check();
 
  private:

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/geometry.h"
+#include "slicing/hit.h"
 
 /// The peers of span_bench: ways to find where the scanlines of a raster lattice cross the solids of one model.
 namespace lamella::bench {
@@ -53,6 +54,9 @@ class Peer {
 
   /// Shows what the last cast() found. Rows without a crossing need not be shown.
   virtual void visit(const RowVisitor& visitor) const = 0;
+
+  /// What an exact engine says of its own last cast(); nothing from others.
+  [[nodiscard]] virtual CastCounters counters() const { return {}; }
 
   /// Layers to cast at once.
   [[nodiscard]] virtual std::int32_t slab_layers() const { return 16; }

@@ -21,6 +21,7 @@ class ReferencePeer : public Peer {
 
   void cast(const Batch& batch) override {
     found_.clear();
+    counters_ = {};
     for (std::int32_t layer = batch.first_layer; layer < batch.last_layer; ++layer) {
       for (const std::int32_t row : batch.rows) cast_row(layer, row);
     }
@@ -29,6 +30,8 @@ class ReferencePeer : public Peer {
   void visit(const RowVisitor& visitor) const override {
     for (const FoundRow& row : found_) visitor(row.solid.value(), row.layer, row.row, row.x);
   }
+
+  [[nodiscard]] CastCounters counters() const override { return counters_; }
 
   [[nodiscard]] bool casts_single_rows() const override { return true; }
 

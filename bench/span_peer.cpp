@@ -5,6 +5,7 @@
 #include "materials/material_rules.h"
 #include "slicing/combine.h"
 #include "slicing/layer.h"
+#include "slicing/span/span_engine.h"
 
 namespace lamella::bench {
 namespace {
@@ -30,6 +31,7 @@ class SpanPeer : public Peer {
       requests_.push_back({static_cast<std::size_t>(layer), lattice_.z(layer), {row_lattice(lattice_)}});
     }
     spans_.resize(requests_.size());
+    for (LayerSpans& layer : spans_) layer.cast = {};
     cut_(requests_, spans_);
     if (rules_) combine();
   }
@@ -50,6 +52,12 @@ class SpanPeer : public Peer {
         }
       }
     }
+  }
+
+  [[nodiscard]] CastCounters counters() const override {
+    CastCounters sum;
+    for (std::size_t k = 0; k < requests_.size(); ++k) sum += spans_[k].cast;
+    return sum;
   }
 
   [[nodiscard]] std::int32_t slab_layers() const override { return kSlabLayers; }
@@ -82,6 +90,13 @@ class SpanPeer : public Peer {
 };
 
 }  // namespace
+
+SlabFunction make_cutter(const ExactModel& model) {
+  SpanOptions options;
+  options.threads = 1;
+  const auto engine = std::make_shared<const SpanEngine>(model.scene, model.solids, options);
+  return [engine](std::span<const LayerRequest> slab, std::span<LayerSpans> out) { engine->cut(slab, out); };
+}
 
 RowLattice row_lattice(const Lattice& lattice) {
   RowLattice rows;
