@@ -6,6 +6,7 @@
 #include <limits>
 #include <tuple>
 
+#include "model/evaluate.h"
 #include "slicing/span/face_section.h"
 
 namespace lamella::span {
@@ -25,8 +26,8 @@ void FaceSection::enter_band(std::size_t band, double layer_z, NodeTable& nodes,
     case SectionKind::plane:
       pair_plane(z, nodes);
       break;
-    case SectionKind::sphere:
-      pair_sphere(z, nodes);
+    case SectionKind::round:
+      pair_round(z, nodes);
       break;
     case SectionKind::traced:
       is_paired_.assign(face_->uses.size(), 0);
@@ -60,19 +61,29 @@ void FaceSection::pair_plane(double z, const NodeTable& nodes) {
   }
 }
 
-void FaceSection::pair_sphere(double z, const NodeTable& nodes) {
+void FaceSection::pair_round(double z, const NodeTable& nodes) {
   struct Candidate {
     double sweep;
+    double offset;  ///< whole turns that the sweep holds beyond the difference of the charts
     std::uint32_t begin;
     std::uint32_t end;
   };
+  const bool is_sphere = std::holds_alternative<Sphere>(face_->surface.surface());
   std::vector<Candidate> candidates;
   for (const std::uint32_t begin : starts_) {
-    const Vec2 from = nodes.node_at(face_->uses[begin].piece, z).xy;
+    const Node from = nodes.node_at(face_->uses[begin].piece, z);
+    const bool inner = is_inner(face_->uses[begin], from);
     for (const std::uint32_t end : ends_) {
-      const double sweep = sweep_between(from, nodes.node_at(face_->uses[end].piece, z).xy);
-      // The twins of a seam: the arc that ends there has gone all the way round.
-      candidates.push_back({sweep < 1e-12 ? kTwoPi : sweep, begin, end});
+      const Node to = nodes.node_at(face_->uses[end].piece, z);
+      if (is_inner(face_->uses[end], to) != inner) continue;
+      Family family = round_family(z, inner);
+      family.begin = begin;
+      family.end = end;
+      const double raw = sweep_between(family, z, from, to);
+      // An arc that ends where it begins has gone all the way round: the twins of a seam.
+      double sweep = raw - kTwoPi * std::floor(raw / kTwoPi);
+      if (sweep < 1e-12) sweep = kTwoPi;
+      candidates.push_back({sweep, sweep - raw, begin, end});
     }
   }
   std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
@@ -82,29 +93,47 @@ void FaceSection::pair_sphere(double z, const NodeTable& nodes) {
   for (const Candidate& candidate : candidates) {
     if (is_paired_[candidate.begin] != 0 || is_paired_[candidate.end] != 0) continue;
     is_paired_[candidate.begin] = is_paired_[candidate.end] = 1;
-    Family family;
+    const PieceUse& use = face_->uses[candidate.begin];
+    Family family = round_family(z, is_inner(use, nodes.node_at(use.piece, z)));
     family.begin = candidate.begin;
     family.end = candidate.end;
-    family.sweep = candidate.sweep;
-    family.z = z;
+    family.sweep = is_sphere ? candidate.sweep : kTwoPi * std::round(candidate.offset / kTwoPi);
     families_.push_back(family);
   }
-  if (starts_.empty() && is_whole_circle(z)) {
-    Family family;
-    family.cut = 0;
-    families_.push_back(family);
+  if (!starts_.empty() || !face_->region) return;
+  const bool is_torus = std::holds_alternative<Torus>(face_->surface.surface());
+  for (const bool inner : {false, true}) {
+    if ((inner && !is_torus) || !is_whole_ellipse(z, inner)) continue;
+    families_.push_back(round_family(z, inner));
+    families_.back().cut = 0;
   }
 }
 
-bool FaceSection::is_whole_circle(double z) const {
-  const auto& sphere = std::get<Sphere>(face_->surface.surface());
-  const double height = z - sphere.frame.origin.z();
-  const double square = sphere.radius * sphere.radius - height * height;
-  if (!(square > 0.0)) return false;
-  const Vec3 arm(std::sqrt(square), 0.0, height);
-  const Vec3 local = Vec3(arm.dot(sphere.frame.x), arm.dot(sphere.frame.y), arm.dot(sphere.frame.z)) / sphere.radius;
-  const Vec2 uv(std::atan2(local.y(), local.x()), std::asin(std::clamp(local.z(), -1.0, 1.0)));
-  return face_->region->classify(uv) == TrimRegion::Side::inside;
+FaceSection::Family FaceSection::round_family(double z, bool inner) const {
+  Family family;
+  family.inner = inner;
+  family.z = z;
+  family.turn = run_of(z, inner);
+  return family;
+}
+
+double FaceSection::run_of(double z, bool inner) const {
+  const Surface& surface = face_->surface.surface();
+  const PlaneEllipse ellipse = round_section(surface, z, inner);
+  const Vec2 uv = round_parameters(surface, z, inner, 0.0);
+  const Vec3 normal = face_->sign * evaluate(surface, uv).normal();
+  // z x n against the way that the angle runs at 0.
+  return Vec2(-normal.y(), normal.x()).dot(ellipse.sine) < 0.0 ? -1.0 : 1.0;
+}
+
+bool FaceSection::is_inner(const PieceUse& use, const Node& node) const {
+  return std::holds_alternative<Torus>(face_->surface.surface()) && std::cos(chart_point(use, node)[1]) < 0.0;
+}
+
+bool FaceSection::is_whole_ellipse(double z, bool inner) const {
+  const PlaneEllipse ellipse = round_section(face_->surface.surface(), z, inner);
+  if (!(ellipse.cosine.norm() > 0.0)) return false;
+  return face_->region->classify(round_parameters(face_->surface.surface(), z, inner, 0.0)) == TrimRegion::Side::inside;
 }
 
 void FaceSection::carry_families(double z, NodeTable& nodes, SectionCounters& counters) {

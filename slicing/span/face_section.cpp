@@ -13,38 +13,6 @@ namespace {
 /// A layer this near to a change of topology is cut this far inside its band: there the section may be singular.
 constexpr double kEventMargin = 1e-8;  // mm
 
-constexpr double kLongestCircleStep = 0.6;  // radians
-
-/// Piece of a circle from angle a over `sweep`: the quintic with its positions, tangents and curvatures.
-ArcPiece circle_piece(const Vec2& center, double radius, double a, double sweep) {
-  const Vec2 from(std::cos(a), std::sin(a));
-  const Vec2 to(std::cos(a + sweep), std::sin(a + sweep));
-  ArcPiece piece;
-  for (int axis = 0; axis < 2; ++axis) {
-    const double side = axis == 0 ? -1.0 : 1.0;
-    const double p = radius * from[axis];
-    const double d = side * radius * sweep * from[1 - axis];
-    const double h = -0.5 * sweep * sweep * p;
-    const double q = radius * to[axis];
-    const double rest = q - p - d - h;
-    const double slope_rest = side * radius * sweep * to[1 - axis] - d - 2.0 * h;
-    const double bend_rest = -sweep * sweep * q - 2.0 * h;
-    (axis == 0 ? piece.x : piece.y) = {center[axis] + p,
-                                       d,
-                                       h,
-                                       10.0 * rest - 4.0 * slope_rest + 0.5 * bend_rest,
-                                       -15.0 * rest + 7.0 * slope_rest - bend_rest,
-                                       6.0 * rest - 3.0 * slope_rest + 0.5 * bend_rest};
-  }
-  return piece;
-}
-
-/// Step at which a circle's quintics keep to the tolerance: their error is r sweep^6 / 46080 (Hermite's remainder at
-/// the middle, 1/6! of the sixth derivative times (sweep/2)^6).
-double circle_step(double radius, double tolerance) {
-  return std::min(kLongestCircleStep, std::pow(46080.0 * tolerance / radius, 1.0 / 6.0));
-}
-
 }  // namespace
 
 SectionCounters& SectionCounters::operator+=(const SectionCounters& other) {
@@ -107,8 +75,8 @@ void FaceSection::cut(std::size_t layer, NodeTable& nodes, Section& out, Section
     case SectionKind::plane:
       cut_plane(z, nodes, out);
       break;
-    case SectionKind::sphere:
-      cut_sphere(z, nodes, out);
+    case SectionKind::round:
+      cut_round(z, nodes, out);
       break;
     case SectionKind::traced:
       cut_traced(z, nodes, out, counters);
@@ -140,68 +108,78 @@ void FaceSection::cut_plane(double z, NodeTable& nodes, Section& out) const {
   }
 }
 
-void FaceSection::cut_sphere(double z, NodeTable& nodes, Section& out) {
-  const auto& sphere = std::get<Sphere>(face_->surface.surface());
-  const Vec2 center = sphere.frame.origin.head<2>();
-  const double height = z - sphere.frame.origin.z();
-  const double radius = std::sqrt(std::max(0.0, sphere.radius * sphere.radius - height * height));
-  const double turn = sphere_turn();
+void FaceSection::cut_round(double z, NodeTable& nodes, Section& out) {
   for (Family& family : families_) {
     const bool is_loop = family.cut >= 0;
-    const Vec2 begin = is_loop ? Vec2(center + Vec2(radius, 0.0)) : nodes.node(face_->uses[family.begin].piece).xy;
-    const Vec2 end = is_loop ? begin : nodes.node(face_->uses[family.end].piece).xy;
-    const double sweep = is_loop ? kTwoPi : follow_sweep(family, z, nodes);
-    const int count = std::max(1, static_cast<int>(std::ceil(std::abs(sweep) / circle_step(radius, limits_.tolerance))));
-    SectionArc arc{face_->id, begin, end, static_cast<std::uint32_t>(out.pieces.size()),
-                   static_cast<std::uint32_t>(count)};
-    const double angle = angle_of(begin);
-    for (int i = 0; i < count; ++i) {
-      out.pieces.push_back(circle_piece(center, radius, angle + turn * sweep * i / count, turn * sweep / count));
+    EllipseArc arc{round_section(face_->surface.surface(), z, family.inner)};
+    SectionArc section_arc{face_->id, {}, {}, static_cast<std::uint32_t>(out.pieces.size())};
+    if (is_loop) {
+      arc.sweep = family.turn * kTwoPi;
+      section_arc.begin = section_arc.end = arc.ellipse.at(0.0);
+    } else {
+      section_arc.begin = nodes.node(face_->uses[family.begin].piece).xy;
+      section_arc.end = nodes.node(face_->uses[family.end].piece).xy;
+      arc.begin = arc.ellipse.angle_of(section_arc.begin);
+      arc.sweep = family.turn * follow_sweep(family, z, nodes);
     }
-    out.arcs.push_back(arc);
+    if (limits_.ellipses) {
+      section_arc.ellipse = static_cast<std::int32_t>(out.ellipses.size());
+      out.ellipses.push_back(arc);
+    } else {
+      append_pieces(arc, limits_.tolerance, out.pieces);
+      section_arc.piece_count = static_cast<std::uint32_t>(out.pieces.size()) - section_arc.first_piece;
+    }
+    out.arcs.push_back(section_arc);
   }
 }
 
-double FaceSection::angle_of(const Vec2& xy) const {
-  const Vec2 arm = xy - std::get<Sphere>(face_->surface.surface()).frame.origin.head<2>();
-  return std::atan2(arm.y(), arm.x());
+double FaceSection::chart_angle(const PieceUse& use, const Node& node, const PlaneEllipse& ellipse) const {
+  const double angle = ellipse.angle_of(node.xy);
+  if (std::holds_alternative<Sphere>(face_->surface.surface())) return angle;
+  const double chart = chart_point(use, node)[0];
+  return angle + kTwoPi * std::round((chart - angle) / kTwoPi);
 }
 
-double FaceSection::sphere_turn() const {
-  const Frame& frame = std::get<Sphere>(face_->surface.surface()).frame;
-  return face_->sign * (frame.x.cross(frame.y).dot(frame.z) > 0.0 ? 1.0 : -1.0);
+double FaceSection::sweep_between(const Family& family, double z, const Node& begin, const Node& end) const {
+  const PlaneEllipse ellipse = round_section(face_->surface.surface(), z, family.inner);
+  return family.turn * (chart_angle(face_->uses[family.end], end, ellipse) -
+                        chart_angle(face_->uses[family.begin], begin, ellipse));
 }
 
-double FaceSection::sweep_between(const Vec2& begin, const Vec2& end) const {
-  double sweep = sphere_turn() * (angle_of(end) - angle_of(begin));
-  sweep -= kTwoPi * std::floor(sweep / kTwoPi);
-  return sweep;
-}
-
-double FaceSection::follow_sweep(Family& family, double z, const NodeTable& nodes) const {
-  const double band = face_->events[*band_ + 1] - face_->events[*band_];
-  const int steps = std::clamp(static_cast<int>(std::ceil(16.0 * std::abs(z - family.z) / band)), 1, 16);
-  const double from = family.z;
-  for (int i = 1; i <= steps; ++i) {
-    const double here = i == steps ? z : from + (z - from) * i / steps;
-    const Vec2 begin = nodes.node_at(face_->uses[family.begin].piece, here).xy;
-    const Vec2 end = nodes.node_at(face_->uses[family.end].piece, here).xy;
-    const double raw = sweep_between(begin, end);
-    // Continuous in z: the turn that is nearest to the last one.
-    family.sweep = raw + kTwoPi * std::round((family.sweep - raw) / kTwoPi);
+double FaceSection::follow_sweep(Family& family, double z, NodeTable& nodes) const {
+  const std::uint32_t begin = face_->uses[family.begin].piece;
+  const std::uint32_t end = face_->uses[family.end].piece;
+  const auto turned = [&](double raw) { return raw + kTwoPi * std::round((family.sweep - raw) / kTwoPi); };
+  if (std::holds_alternative<Sphere>(face_->surface.surface())) {
+    // Angles about a sphere know no chart: the sweep is followed, continuous in z, from where it was known.
+    const double band = face_->events[*band_ + 1] - face_->events[*band_];
+    const int steps = std::clamp(static_cast<int>(std::ceil(16.0 * std::abs(z - family.z) / band)), 1, 16);
+    const double from = family.z;
+    for (int i = 1; i < steps; ++i) {
+      const double here = from + (z - from) * i / steps;
+      family.sweep = turned(sweep_between(family, here, nodes.node_at(begin, here), nodes.node_at(end, here)));
+    }
+    family.z = z;
+    family.sweep = turned(sweep_between(family, z, nodes.node(begin), nodes.node(end)));
+    return family.sweep;
   }
-  family.z = z;
-  return family.sweep;
+  return sweep_between(family, z, nodes.node(begin), nodes.node(end)) + family.sweep;
+}
+
+Vec2 FaceSection::chart_point(const PieceUse& use, const Node& node) const {
+  const HalfEdge& half = scene_->half_edges[use.half_edge];
+  const Edge& edge = scene_->edges[half.edge];
+  const double part = (node.t - edge.range.lo) / edge.range.length();
+  return evaluate<2>(half.pcurve, half.prange.lo + part * half.prange.length()).point + use.offset;
 }
 
 FaceSection::FacePoint FaceSection::face_point(const PieceUse& use, const Node& node, double z) const {
   const HalfEdge& half = scene_->half_edges[use.half_edge];
   const Edge& edge = scene_->edges[half.edge];
-  const double part = (node.t - edge.range.lo) / edge.range.length();
   FacePoint result;
   result.node = node.xy;
   result.tolerance = std::max(edge.tolerance, 1e-7);
-  const Vec2 uv = evaluate<2>(half.pcurve, half.prange.lo + part * half.prange.length()).point + use.offset;
+  const Vec2 uv = chart_point(use, node);
   result.chart = uv;
   const CorrectLimits limits{limits_.height, std::max(20.0 * result.tolerance, 1e-3 * face_->size)};
   Cell cell = face_->surface.find_cell(uv, Vec2::Zero());

@@ -89,14 +89,16 @@ struct SpanEngine::Data {
     const auto solid = std::find_if(solids.begin(), solids.end(), [&](const auto& s) { return s->id == id; });
     std::optional<SolidSlab> slab;
     if (solid != solids.end() && !heights.empty()) {
-      slab.emplace(*scene, **solid, heights.front(), heights.back(), limits());
+      TraceLimits as_pieces = limits();
+      as_pieces.ellipses = false;
+      slab.emplace(*scene, **solid, heights, as_pieces);
     }
     Section section;
     SectionCounters counters;
-    for (const double z : heights) {
+    for (std::size_t i = 0; i < heights.size(); ++i) {
       section.clear();
-      if (slab) slab->cut(z, section, counters);
-      visit(z, section);
+      if (slab) slab->cut(i, section, counters);
+      visit(heights[i], section);
     }
   }
 };
