@@ -13,7 +13,9 @@ namespace lamella::span {
 
 void FaceSection::enter_band(std::size_t band, double layer_z, NodeTable& nodes, SectionCounters& counters) {
   band_ = band;
-  const double z = 0.5 * (face_->events[band] + face_->events[band + 1]);
+  const double middle = 0.5 * (face_->events[band] + face_->events[band + 1]);
+  // Between neighbouring doubles the middle may round to the upper one, which the band doesn't hold.
+  const double z = middle < face_->events[band + 1] ? middle : face_->events[band];
   if (face_->kind != SectionKind::traced) families_.clear();
   starts_.clear();
   ends_.clear();
@@ -277,26 +279,35 @@ void FaceSection::find_roots(double z) {
 }
 
 void FaceSection::visit_roots(const TracedArc& arc) {
+  for (CutRoot& root : roots_) {
+    for (std::size_t i = 0; i + 1 < arc.points.size() && !root.visited; ++i) {
+      root.visited = meets_cut(arc.points[i], arc.points[i + 1], Vec2(root.u, face_->cuts[root.cut].v));
+    }
+  }
+}
+
+bool FaceSection::meets_cut(const SectionPoint& a, const SectionPoint& b, const Vec2& at) const {
   const Vec2& periods = face_->surface.periods();
   const auto wrapped = [](double difference, double period) {
     return period > 0.0 ? difference - period * std::round(difference / period) : difference;
   };
-  for (CutRoot& root : roots_) {
-    if (root.visited) continue;
-    const double v = face_->cuts[root.cut].v;
-    for (std::size_t i = 0; i + 1 < arc.points.size(); ++i) {
-      const Vec2& a = arc.points[i].uv;
-      const Vec2& b = arc.points[i + 1].uv;
-      const double above_a = wrapped(a[1] - v, periods[1]);
-      const double above_b = above_a + (b[1] - a[1]);
-      if ((above_a <= 0.0) == (above_b <= 0.0)) continue;
-      const double u = a[0] + (b[0] - a[0]) * above_a / (above_a - above_b);
-      const double slack = 0.5 * std::abs(b[0] - a[0]) + 0.05 * std::abs(b[1] - a[1]);
-      if (std::abs(wrapped(u - root.u, periods[0])) > slack) continue;
-      root.visited = true;
-      break;
-    }
+  const double above_a = wrapped(a.uv[1] - at[1], periods[1]);
+  const double above_b = above_a + (b.uv[1] - a.uv[1]);
+  if ((above_a <= 0.0) == (above_b <= 0.0)) return false;
+  const double reach = 2.0 * (std::abs(b.uv[0] - a.uv[0]) + std::abs(b.uv[1] - a.uv[1]));
+  if (std::abs(wrapped(a.uv[0] - at[0], periods[0])) > reach) return false;
+  ArcPiece piece, uv;
+  if (!join_points(a, b, piece, uv)) return false;
+  // Where the piece crosses the line, by bisection: v(t) changes sign over it.
+  double lo = 0.0;
+  double hi = 1.0;
+  for (int i = 0; i < 40; ++i) {
+    const double middle = 0.5 * (lo + hi);
+    const double above = above_a + (uv.at(middle)[1] - a.uv[1]);
+    ((above <= 0.0) == (above_a <= 0.0) ? lo : hi) = middle;
   }
+  const double aside = std::abs(wrapped(uv.at(lo)[0] - at[0], periods[0]));
+  return aside <= 1e-4 * reach;
 }
 
 void FaceSection::find_loops(double z) {

@@ -216,11 +216,20 @@ FaceSection::FacePoint FaceSection::cut_point(const Family& family, double z) co
   return result;
 }
 
+bool FaceSection::lie_together(const FacePoint& begin, const FacePoint& end) const {
+  // The twins of a seam lie together in space but a period, or the length of a closed spline, apart in the chart.
+  const Vec2 step = (end.chart - begin.chart).cwiseAbs();
+  for (int axis = 0; axis < 2; ++axis) {
+    if (step[axis] > 0.25 * face_->surface.extent(axis)) return false;
+  }
+  return true;
+}
+
 bool FaceSection::are_joined(const FacePoint& begin, const FacePoint& end) const {
   const Vec2 step = end.point.xy - begin.point.xy;
   const double distance = step.norm();
   if (distance > 2.0 * std::max(begin.tolerance, end.tolerance)) return false;
-  // The twins of a seam lie together in space but not in the chart.
+  if (!lie_together(begin, end)) return false;
   if (length_of(begin.point, end.chart - begin.chart) > 10.0 * distance + 1e-6) return false;
   return distance <= 1e-7 || step.dot(begin.point.tangent) <= 0.0;
 }
@@ -231,14 +240,13 @@ bool FaceSection::cut_by_sheet(const Family& family, double inner, NodeTable& no
   const auto count = static_cast<std::uint32_t>(family.sheet.piece_count());
   out.pieces.resize(first + count);
   family.sheet.evaluate(inner, out.pieces.data() + first);
-  SectionArc arc{face_->id, {}, {}, first, count};
   if (family.cut >= 0) {
-    arc.begin = arc.end = out.pieces[first].at(0.0);
+    const Vec2 seed = out.pieces[first].at(0.0);
+    append_range(seed, seed, first, out);
   } else {
-    arc.begin = nodes.node(face_->uses[family.begin].piece).xy;
-    arc.end = nodes.node(face_->uses[family.end].piece).xy;
+    append_range(nodes.node(face_->uses[family.begin].piece).xy, nodes.node(face_->uses[family.end].piece).xy, first,
+                 out);
   }
-  out.arcs.push_back(arc);
   return true;
 }
 
@@ -399,9 +407,20 @@ void FaceSection::cut_loop(Family& family, double z, Section& out, SectionCounte
 }
 
 void FaceSection::append(const Vec2& begin, const Vec2& end, const std::vector<ArcPiece>& pieces, Section& out) const {
-  out.arcs.push_back(
-      {face_->id, begin, end, static_cast<std::uint32_t>(out.pieces.size()), static_cast<std::uint32_t>(pieces.size())});
+  const auto first = static_cast<std::uint32_t>(out.pieces.size());
   out.pieces.insert(out.pieces.end(), pieces.begin(), pieces.end());
+  append_range(begin, end, first, out);
+}
+
+void FaceSection::append_range(Vec2 begin, Vec2 end, std::uint32_t first, Section& out) const {
+  const auto last = static_cast<std::uint32_t>(out.pieces.size());
+  const Vec2 from = out.pieces[first].at(0.0);
+  const Vec2 to = out.pieces[last - 1].at(1.0);
+  const bool leads_in = (from - begin).squaredNorm() > limits_.tolerance * limits_.tolerance;
+  const bool leads_out = (to - end).squaredNorm() > limits_.tolerance * limits_.tolerance;
+  if (leads_in) append_chord(begin, from, begin, from, false, out);
+  if (leads_out) append_chord(to, end, to, end, false, out);
+  out.arcs.push_back({face_->id, leads_in ? from : begin, leads_out ? to : end, first, last - first});
 }
 
 void FaceSection::append_chord(const Vec2& begin, const Vec2& end, const Vec2& from, const Vec2& to, bool doubtful,

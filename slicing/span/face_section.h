@@ -84,6 +84,7 @@ class FaceSection {
   void pair_rest();
   void find_roots(double z);
   void visit_roots(const TracedArc& arc);
+  [[nodiscard]] bool meets_cut(const SectionPoint& a, const SectionPoint& b, const Vec2& at) const;
   void find_loops(double z);
 
   void cut_plane(double z, NodeTable& nodes, Section& out) const;
@@ -94,9 +95,9 @@ class FaceSection {
   [[nodiscard]] static bool passes_near(const TracedArc& arc, const Vec2& xy);
   void cut_arc(Family& family, const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters);
   [[nodiscard]] FacePoint layer_point(std::uint32_t use, double z, double inner, NodeTable& nodes) const;
-  /// An arc that can't be followed from end to end: both ways as far as they come nearest, and a chord between.
   bool cut_by_sheet(const Family& family, double inner, NodeTable& nodes, Section& out) const;
   void try_sheet(Family& family, double inner, const NodeTable& nodes, SectionCounters& counters);
+  /// An arc that can't be followed from end to end: both ways as far as they come nearest, and a chord between.
   void bridge(const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters);
   /// Distance of the face from the middle of the chord between two of its points, mm.
   [[nodiscard]] double height_off(const SectionPoint& a, const SectionPoint& b) const;
@@ -107,6 +108,7 @@ class FaceSection {
   [[nodiscard]] Vec2 chart_point(const PieceUse& use, const Node& node) const;
   [[nodiscard]] FacePoint face_point(const PieceUse& use, const Node& node, double z) const;
   [[nodiscard]] FacePoint cut_point(const Family& family, double z) const;
+  [[nodiscard]] bool lie_together(const FacePoint& begin, const FacePoint& end) const;
   [[nodiscard]] bool are_joined(const FacePoint& begin, const FacePoint& end) const;
   [[nodiscard]] bool is_whole_ellipse(double z, bool inner) const;
   [[nodiscard]] double chart_angle(const PieceUse& use, const Node& node, const PlaneEllipse& ellipse) const;
@@ -115,7 +117,9 @@ class FaceSection {
   [[nodiscard]] double run_of(double z, bool inner) const;
   [[nodiscard]] bool is_inner(const PieceUse& use, const Node& node) const;
   double follow_sweep(Family& family, double z, NodeTable& nodes) const;
+  /// Appends an arc between two stored nodes; where its own ends lie off them, straight arcs lead there.
   void append(const Vec2& begin, const Vec2& end, const std::vector<ArcPiece>& pieces, Section& out) const;
+  void append_range(Vec2 begin, Vec2 end, std::uint32_t first, Section& out) const;
   void append_chord(const Vec2& begin, const Vec2& end, const Vec2& from, const Vec2& to, bool doubtful,
                     Section& out) const;
 
