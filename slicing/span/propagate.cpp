@@ -12,17 +12,6 @@ constexpr double kLargestTurn = 0.6;  // radians between neighbouring points
 /// A longer correction than this share of the way that a point was moved means that the extrapolation is off.
 constexpr double kCorrectionShare = 0.3;
 
-/// Moves `at` to first order in a step of (u, v), as its second derivatives say.
-void shift(SurfacePoint2& at, const Vec2& step) {
-  const double u = step[0];
-  const double v = step[1];
-  at.point += at.du * u + at.dv * v + at.duu * (0.5 * u * u) + at.duv * (u * v) + at.dvv * (0.5 * v * v);
-  const Vec3 du = at.duu * u + at.duv * v;
-  const Vec3 dv = at.duv * u + at.dvv * v;
-  at.du += du;
-  at.dv += dv;
-}
-
 /// The step along the free way of a point that changes z by dz.
 Vec2 step_for(const SurfacePoint& at, int axis, double dz) {
   if (axis < 0) return steepest_step(at, dz);
@@ -150,7 +139,7 @@ class Carrier {
   bool join(const Place& a, const Place& b, int halvings) {
     SectionPoint end = b.point;
     // The end of this piece as its own cell sees it.
-    if (!(a.cell == b.cell) && !surface_.is_smooth()) {
+    if (!(a.cell == b.cell)) {
       end = section_point(surface_.evaluate(end.uv, a.cell), end.uv, sign_);
       end.z = z_;
     }
@@ -205,6 +194,16 @@ class Carrier {
 };
 
 }  // namespace
+
+void shift(SurfacePoint2& at, const Vec2& step) {
+  const double u = step[0];
+  const double v = step[1];
+  at.point += at.du * u + at.dv * v + at.duu * (0.5 * u * u) + at.duv * (u * v) + at.dvv * (0.5 * v * v);
+  const Vec3 du = at.duu * u + at.duv * v;
+  const Vec3 dv = at.duv * u + at.dvv * v;
+  at.du += du;
+  at.dv += dv;
+}
 
 void CarriedArc::start(double height) {
   z = height;

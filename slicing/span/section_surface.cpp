@@ -94,16 +94,10 @@ std::vector<double> distinct(const std::vector<double>& knots, double lo, double
   return breaks;
 }
 
-/// Whether no inner knot comes more often than leaves the curve its second derivative.
-bool has_second_derivatives(const std::vector<double>& knots, int degree) {
-  const double lo = knots[static_cast<std::size_t>(degree)];
-  const double hi = knots[knots.size() - 1 - static_cast<std::size_t>(degree)];
-  int run = 0;
-  for (std::size_t i = 0; i < knots.size(); ++i) {
-    run = i > 0 && knots[i] == knots[i - 1] ? run + 1 : 1;
-    if (knots[i] > lo && knots[i] < hi && run > degree - 2) return false;
-  }
-  return true;
+/// Multiplicity of a knot.
+int count_of(const std::vector<double>& knots, double knot) {
+  const auto [first, last] = std::equal_range(knots.begin(), knots.end(), knot);
+  return static_cast<int>(last - first);
 }
 
 Vec4 homogeneous(const Vec3& pole, double weight, const Vec3& origin) {
@@ -240,61 +234,76 @@ CurvePoint2<3> BezierNets::evaluate(double t, int cell) const {
 SectionSurface::SectionSurface(const Surface& surface) : surface_(&surface), periods_(lamella::periods(surface)) {
   const auto* spline = std::get_if<BSplineSurface>(&surface);
   if (const auto* fitted = std::get_if<FittedSurface>(&surface)) spline = &fitted->fit;
+  const auto* extrusion = std::get_if<Extrusion>(&surface);
+  const auto* revolution = std::get_if<Revolution>(&surface);
   if (spline != nullptr) {
     kind_ = Kind::spline;
+    has_nets_ = true;
     nets_ = BezierNets(*spline);
-    is_smooth_ = has_second_derivatives(spline->knots_u, spline->degree_u) &&
-                 has_second_derivatives(spline->knots_v, spline->degree_v);
-    breaks_u_ = nets_.breaks_u();
-    breaks_v_ = nets_.breaks_v();
-  } else if (const auto* extrusion = std::get_if<Extrusion>(&surface)) {
-    kind_ = Kind::extrusion;
-    if (const auto* basis = std::get_if<BSplineCurve<3>>(&extrusion->basis)) {
+    set_breaks(0, nets_.breaks_u(), spline->knots_u, spline->degree_u);
+    set_breaks(1, nets_.breaks_v(), spline->knots_v, spline->degree_v);
+  } else if (extrusion != nullptr || revolution != nullptr) {
+    kind_ = extrusion != nullptr ? Kind::extrusion : Kind::revolution;
+    const Curve3& curve = extrusion != nullptr ? extrusion->basis : revolution->meridian;
+    if (const auto* basis = std::get_if<BSplineCurve<3>>(&curve)) {
+      has_nets_ = true;
       nets_ = BezierNets(*basis);
-      is_smooth_ = has_second_derivatives(basis->knots, basis->degree);
-      breaks_u_ = nets_.breaks_u();
-      has_nets_ = true;
-    }
-  } else if (const auto* revolution = std::get_if<Revolution>(&surface)) {
-    kind_ = Kind::revolution;
-    if (const auto* meridian = std::get_if<BSplineCurve<3>>(&revolution->meridian)) {
-      nets_ = BezierNets(*meridian);
-      is_smooth_ = has_second_derivatives(meridian->knots, meridian->degree);
-      breaks_v_ = nets_.breaks_u();
-      has_nets_ = true;
+      set_breaks(extrusion != nullptr ? 0 : 1, nets_.breaks_u(), basis->knots, basis->degree);
     }
   }
 }
 
-CurvePoint2<3> SectionSurface::basis_point(double t, int cell) const {
-  if (has_nets_) return nets_.evaluate(t, cell);
+void SectionSurface::set_breaks(int axis, const std::vector<double>& pieces, const std::vector<double>& knots,
+                                int degree) {
+  pieces_[axis] = pieces;
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    const bool is_end = i == 0 || i + 1 == pieces.size();
+    if (!is_end && count_of(knots, pieces[i]) <= degree - 2) continue;
+    breaks_[axis].push_back(pieces[i]);
+    first_piece_[axis].push_back(static_cast<int>(i));
+  }
+}
+
+int SectionSurface::piece_of(int axis, double place, int cell) const {
+  const std::vector<double>& all = pieces_[axis];
+  if (all.empty()) return 0;
+  const int first = first_piece_[axis][cell];
+  const int last = first_piece_[axis][cell + 1];
+  if (last - first == 1) return first;
+  const auto above = std::upper_bound(all.begin() + first + 1, all.begin() + last, place);
+  return static_cast<int>(above - all.begin()) - 1;
+}
+
+bool SectionSurface::crosses_knot(const Vec2& a, const Vec2& b, const Cell& cell) const {
+  return piece_of(0, a[0], cell.u) != piece_of(0, b[0], cell.u) ||
+         piece_of(1, a[1], cell.v) != piece_of(1, b[1], cell.v);
+}
+
+CurvePoint2<3> SectionSurface::basis_point(double t, int piece) const {
+  if (has_nets_) return nets_.evaluate(t, piece);
   if (kind_ == Kind::extrusion) return evaluate2(std::get<Extrusion>(*surface_).basis, t);
   return evaluate2(std::get<Revolution>(*surface_).meridian, t);
 }
 
 SurfacePoint2 SectionSurface::evaluate(const Vec2& uv, const Cell& cell) const {
-  switch (kind_) {
-    case Kind::spline:
-      return nets_.evaluate(uv, cell);
-    case Kind::extrusion:
-      return extrude(basis_point(uv[0], cell.u), std::get<Extrusion>(*surface_).direction, uv[1]);
-    case Kind::revolution:
-      return revolve(basis_point(uv[1], cell.v), std::get<Revolution>(*surface_), uv[0]);
-    case Kind::analytic:
-      break;
+  if (kind_ == Kind::analytic) return evaluate2(*surface_, uv);
+  const Cell piece{piece_of(0, uv[0], cell.u), piece_of(1, uv[1], cell.v)};
+  if (kind_ == Kind::spline) return nets_.evaluate(uv, piece);
+  if (kind_ == Kind::extrusion) {
+    return extrude(basis_point(uv[0], piece.u), std::get<Extrusion>(*surface_).direction, uv[1]);
   }
-  return evaluate2(*surface_, uv);
+  return revolve(basis_point(uv[1], piece.v), std::get<Revolution>(*surface_), uv[0]);
 }
 
 SurfacePoint SectionSurface::evaluate_slopes(const Vec2& uv, const Cell& cell) const {
-  if (kind_ == Kind::spline) return nets_.evaluate_slopes(uv, cell);
-  return evaluate(uv, cell);
+  if (kind_ != Kind::spline) return evaluate(uv, cell);
+  return nets_.evaluate_slopes(uv, {piece_of(0, uv[0], cell.u), piece_of(1, uv[1], cell.v)});
 }
 
 Cell SectionSurface::find_cell(const Vec2& uv, const Vec2& heading) const {
   Cell cell;
   for (int axis = 0; axis < 2; ++axis) {
-    const std::vector<double>& all = breaks(axis);
+    const std::vector<double>& all = breaks_[axis];
     if (all.empty()) continue;
     const auto last = static_cast<int>(all.size()) - 2;
     const auto above = std::upper_bound(all.begin(), all.end(), uv[axis]) - all.begin() - 1;
@@ -306,10 +315,10 @@ Cell SectionSurface::find_cell(const Vec2& uv, const Vec2& heading) const {
 }
 
 Interval SectionSurface::limits(const Cell& cell, int axis) const {
-  const std::vector<double>& all = breaks(axis);
+  const std::vector<double>& all = breaks_[axis];
   if (all.empty()) return {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
   const int index = axis == 0 ? cell.u : cell.v;
-  // Nodes may lie outside the domain by an edge's tolerance: the outer pieces go on a little.
+  // Nodes may lie outside the domain by an edge's tolerance: the outer cells go on a little.
   const double margin = kOuterMargin * (all.back() - all.front());
   Interval limits{all[index], all[index + 1]};
   if (index == 0) limits.lo -= margin;
@@ -317,9 +326,15 @@ Interval SectionSurface::limits(const Cell& cell, int axis) const {
   return limits;
 }
 
+double SectionSurface::extent(int axis) const {
+  if (periods_[axis] > 0.0) return periods_[axis];
+  if (breaks_[axis].empty()) return std::numeric_limits<double>::infinity();
+  return breaks_[axis].back() - breaks_[axis].front();
+}
+
 bool SectionSurface::has_neighbor(const Cell& cell, int axis, bool upper) const {
   const int index = axis == 0 ? cell.u : cell.v;
-  return upper ? index + 2 < static_cast<int>(breaks(axis).size()) : index > 0;
+  return upper ? index + 2 < static_cast<int>(breaks_[axis].size()) : index > 0;
 }
 
 }  // namespace lamella::span

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "core/geometry.h"
@@ -9,7 +10,8 @@
 
 namespace lamella::span {
 
-/// One smooth part of a surface: the Bezier piece number along u and v; zeros for surfaces that are smooth all over.
+/// One part of a surface within which it has continuous second derivatives, by its number along u and v; zeros for
+/// surfaces that are smooth all over. Knots of less continuity are the limits between cells; arcs have points on them.
 struct Cell {
   int u = 0;
   int v = 0;
@@ -63,26 +65,30 @@ class SectionSurface {
   /// Whether there is another cell beyond the cell's upper (or lower) limit.
   [[nodiscard]] bool has_neighbor(const Cell& cell, int axis, bool upper) const;
 
-  [[nodiscard]] bool has_cells() const { return !breaks_u_.empty() || !breaks_v_.empty(); }
-  /// Whether second derivatives agree on both sides of every limit between cells.
-  [[nodiscard]] bool is_smooth() const { return is_smooth_; }
+  [[nodiscard]] bool has_cells() const { return !breaks_[0].empty() || !breaks_[1].empty(); }
+  /// Whether a knot with continuous second derivatives lies between two points of one cell.
+  [[nodiscard]] bool crosses_knot(const Vec2& a, const Vec2& b, const Cell& cell) const;
 
+  /// Period along u or v, or the length of a spline's domain; infinite where there is neither.
+  [[nodiscard]] double extent(int axis) const;
   [[nodiscard]] const Vec2& periods() const { return periods_; }
   [[nodiscard]] const Surface& surface() const { return *surface_; }
 
  private:
-  [[nodiscard]] CurvePoint2<3> basis_point(double t, int cell) const;
-  [[nodiscard]] const std::vector<double>& breaks(int axis) const { return axis == 0 ? breaks_u_ : breaks_v_; }
+  [[nodiscard]] CurvePoint2<3> basis_point(double t, int piece) const;
+  /// Bezier piece along one axis that serves a place in a cell.
+  [[nodiscard]] int piece_of(int axis, double place, int cell) const;
+  void set_breaks(int axis, const std::vector<double>& pieces, const std::vector<double>& knots, int degree);
 
   enum class Kind { analytic, spline, extrusion, revolution };
 
   const Surface* surface_;
   Kind kind_ = Kind::analytic;
-  bool is_smooth_ = true;
-  bool has_nets_ = false;  ///< the basis or meridian is a B-spline
+  bool has_nets_ = false;  ///< of a spline surface, or of the basis or meridian that is a spline
   BezierNets nets_;
-  std::vector<double> breaks_u_;  ///< ascending, empty where there are no cells
-  std::vector<double> breaks_v_;
+  std::array<std::vector<double>, 2> pieces_;     ///< limits of the Bezier pieces along u and v
+  std::array<std::vector<double>, 2> breaks_;     ///< limits of the cells; empty where there are none
+  std::array<std::vector<int>, 2> first_piece_;   ///< of each cell, and one more
   Vec2 periods_ = Vec2::Zero();
 };
 
