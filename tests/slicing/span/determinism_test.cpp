@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "tests/support/cut_scene.h"
+#include "tests/support/neighbor_rows.h"
 #include "tests/support/span_sets.h"
 #include "tests/support/step_scenes.h"
 
@@ -149,30 +150,15 @@ TEST_P(Determinism, ALayerHasTheSameSpansWithAndWithoutItsSlab) {
   const std::vector<LayerSpans> carried = test::cut_layers(shared, requests_);
   for (std::size_t k = 0; k < requests_.size(); k += 3) {
     const RowLattice& lattice = requests_[k].lattices[1];
-    std::vector<SpanRows> around;
-    for (const double across : {0.0, -kBound, kBound}) {
-      for (const double up : {0.0, -kBound, kBound}) {
-        RowLattice moved = lattice;
-        moved.anchor += across;
-        around.push_back(test::cut_layer(shared, requests_[k].z + up, moved));
-      }
-    }
-    for (std::size_t r = 0; r < around[0].rows(); ++r) {
+    const test::NeighborRows alone(shared, {{0, requests_[k].z, {lattice}}}, kBound);
+    for (std::size_t r = 0; r < carried[k].lattices[1].rows(); ++r) {
       for (const SolidId solid : solids_) {
         const std::vector<Interval> here = test::spans_of(carried[k].lattices[1], r, solid);
-        std::vector<Interval> any;
-        std::vector<Interval> all{{-1e9, 1e9}};
-        for (const SpanRows& rows : around) {
-          any = test::united(any, test::spans_of(rows, r, solid));
-          all = test::common(all, test::grown(test::spans_of(rows, r, solid), 0.0));
-        }
-        const double invented = test::longest(test::without(here, test::grown(any, kBound)));
-        const double lost = test::longest(test::without(test::grown(all, -kBound), here));
-        EXPECT_LE(std::max(invented, lost), kBound)
+        EXPECT_LE(alone.excess(0, 0, r, solid, here), kBound)
             << "solid " << solid.value() << " z " << testing::PrintToString(requests_[k].z) << " layer "
             << k % kSlabLayers << " of its slab, along " << lattice.along.transpose() << " row "
             << lattice.position(static_cast<std::int64_t>(r)) << test::text_of(here) << " alone"
-            << test::text_of(test::spans_of(around[0], r, solid));
+            << test::text_of(alone.spans(0, 0, r, solid));
       }
     }
   }
