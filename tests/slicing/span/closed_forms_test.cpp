@@ -10,6 +10,7 @@
 #include <string>
 
 #include "tests/support/cut_scene.h"
+#include "tests/support/span_sets.h"
 #include "tests/support/spline_form.h"
 #include "tests/support/swept_solids.h"
 #include "tests/support/transform_scene.h"
@@ -150,7 +151,8 @@ void compare_row(const Shape& shape, const Placement& placement, const Ray& ray,
     return;
   }
   ASSERT_EQ(spans.size(), exact.size()) << "row from " << ray.origin.transpose() << " along "
-                                        << ray.direction.transpose();
+                                        << ray.direction.transpose() << test::text_of(spans) << " exact"
+                                        << test::text_of(exact);
   score.met += exact.empty() ? 0 : 1;
   for (std::size_t i = 0; i < spans.size(); ++i) {
     for (double Interval::*end : {&Interval::lo, &Interval::hi}) {

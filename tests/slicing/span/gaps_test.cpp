@@ -8,6 +8,7 @@
 
 #include "tests/support/cut_scene.h"
 #include "tests/support/disturb_scene.h"
+#include "tests/support/neighbor_rows.h"
 #include "tests/support/span_sets.h"
 #include "tests/support/spline_form.h"
 #include "tests/support/step_scenes.h"
@@ -37,57 +38,24 @@ std::vector<LayerRequest> make_requests(const Box3& box, std::uint64_t seed) {
   return requests;
 }
 
-std::vector<LayerRequest> moved(std::vector<LayerRequest> requests, double across, double up) {
-  for (LayerRequest& request : requests) {
-    request.z += up;
-    for (RowLattice& lattice : request.lattices) lattice.anchor += across;
-  }
-  return requests;
-}
-
-/// What eight neighbours of the undisturbed rows, `reach` aside, have in common and what any of them has.
-struct Bounds {
-  std::vector<std::vector<LayerSpans>> cuts;
-  double reach = 0.0;
-
-  Bounds(const SpanEngine& engine, const std::vector<LayerRequest>& requests, double aside) : reach(aside) {
-    for (const double across : {-reach, 0.0, reach}) {
-      for (const double up : {-reach, 0.0, reach}) {
-        cuts.push_back(test::cut_layers(engine, moved(requests, across, up)));
-      }
-    }
-  }
-
-  void expect_between(const std::vector<LayerSpans>& found, const std::vector<LayerRequest>& requests,
-                      const std::vector<SolidId>& solids) const {
-    for (std::size_t k = 0; k < found.size(); ++k) {
-      for (std::size_t i = 0; i < found[k].lattices.size(); ++i) {
-        for (std::size_t r = 0; r < found[k].lattices[i].rows(); ++r) {
-          for (const SolidId solid : solids) expect_between(found, k, i, r, solid, requests[k]);
-          if (testing::Test::HasFailure()) return;
+void expect_between(const test::NeighborRows& bounds, const std::vector<LayerSpans>& found,
+                    const std::vector<LayerRequest>& requests, const std::vector<SolidId>& solids, double reach) {
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    for (std::size_t i = 0; i < found[k].lattices.size(); ++i) {
+      for (std::size_t r = 0; r < found[k].lattices[i].rows(); ++r) {
+        for (const SolidId solid : solids) {
+          const std::vector<Interval> here = test::spans_of(found[k].lattices[i], r, solid);
+          EXPECT_LE(bounds.excess(k, i, r, solid, here), reach)
+              << "solid " << solid.value() << " z " << requests[k].z << " along "
+              << requests[k].lattices[i].along.transpose() << " row "
+              << requests[k].lattices[i].position(static_cast<std::int64_t>(r)) << test::text_of(here) << " undisturbed"
+              << test::text_of(bounds.spans(k, i, r, solid));
         }
+        if (testing::Test::HasFailure()) return;
       }
     }
   }
-
-  void expect_between(const std::vector<LayerSpans>& found, std::size_t k, std::size_t i, std::size_t r, SolidId solid,
-                      const LayerRequest& request) const {
-    const std::vector<Interval> here = test::grown(test::spans_of(found[k].lattices[i], r, solid), 0.0);
-    std::vector<Interval> any;
-    std::vector<Interval> all{{-1e9, 1e9}};
-    for (const std::vector<LayerSpans>& cut : cuts) {
-      const std::vector<Interval> spans = test::grown(test::spans_of(cut[k].lattices[i], r, solid), 0.0);
-      any = test::united(any, spans);
-      all = test::common(all, spans);
-    }
-    const double invented = test::longest(test::without(here, test::grown(any, reach)));
-    const double lost = test::longest(test::without(test::grown(all, -reach), here));
-    EXPECT_LE(std::max(invented, lost), reach)
-        << "solid " << solid.value() << " z " << request.z << " along " << request.lattices[i].along.transpose()
-        << " row " << request.lattices[i].position(static_cast<std::int64_t>(r)) << test::text_of(here) << " between"
-        << test::text_of(all) << " and" << test::text_of(any);
-  }
-};
+}
 
 /// `bounded`: spans are compared too, which makes sense where gaps are smaller than features.
 void expect_closed(const Scene& scene, const std::vector<SolidId>& solids, double gap, bool stated, bool bounded) {
@@ -104,8 +72,9 @@ void expect_closed(const Scene& scene, const std::vector<SolidId>& solids, doubl
       for (const Span& span : rows.spans) ASSERT_TRUE(std::isfinite(span.begin) && std::isfinite(span.end));
     }
   }
-  if (bounded)
-    Bounds(SpanEngine(scene, solids, {1e-7, 1}), requests, kGaps * gap).expect_between(found, requests, solids);
+  if (!bounded) return;
+  const SpanEngine whole(scene, solids, {1e-7, 1});
+  expect_between({whole, requests, kGaps * gap}, found, requests, solids, kGaps * gap);
 }
 
 class GapsInDatasets : public testing::TestWithParam<std::tuple<std::filesystem::path, double>> {};
