@@ -20,9 +20,9 @@ SectionCounters& SectionCounters::operator+=(const SectionCounters& other) {
   families += other.families;
   carried_families += other.carried_families;
   sheets += other.sheets;
+  lost_loops += other.lost_loops;
   traced += other.traced;
   doubtful_arcs += other.doubtful_arcs;
-  unbalanced += other.unbalanced;
   return *this;
 }
 
@@ -429,7 +429,8 @@ void FaceSection::cut_loop(Family& family, double z, Section& out, SectionCounte
     append(seed.node, seed.node, carried.arc.pieces, out);
   } else {
     carried.arc.clear();
-    ++counters.doubtful_arcs;  // a loop that can't be traced can't be replaced by a chord either
+    // Nothing stands in for a loop that can't be traced.
+    ++counters.lost_loops;
   }
 }
 

@@ -62,7 +62,7 @@ class Builder {
           CarriedArc& carried)
       : surface_(surface), sign_(sign), low_(low), high_(high), limits_(limits), carried_(carried) {}
 
-  bool run(const Sheet::EndsAt& ends_at, std::vector<double>& coefficients, std::vector<double>& uv_coefficients) {
+  bool run(const Sheet::EndsAt& ends_at, std::vector<double>& coefficients) {
     const TracedArc& start = carried_.arc;
     points_ = start.points;
     const std::size_t pieces = start.pieces.size();
@@ -80,8 +80,7 @@ class Builder {
       if (!take_pieces(j)) return false;
     }
     if (!measure()) return false;
-    store(numbers_, coefficients);
-    store(uv_numbers_, uv_coefficients);
+    store(coefficients);
     leave_at_top();
     return true;
   }
@@ -246,11 +245,11 @@ class Builder {
     return point;
   }
 
-  static void store(const std::vector<NodeValues>& numbers, std::vector<double>& coefficients) {
-    const std::size_t stride = numbers.size();
+  void store(std::vector<double>& coefficients) const {
+    const std::size_t stride = numbers_.size();
     coefficients.resize(kNodes * stride);
     for (std::size_t i = 0; i < stride; ++i) {
-      for (int power = 0; power < kNodes; ++power) coefficients[power * stride + i] = numbers[i][power];
+      for (int power = 0; power < kNodes; ++power) coefficients[power * stride + i] = numbers_[i][power];
     }
   }
 
@@ -283,7 +282,7 @@ class Builder {
 bool Sheet::build(const SectionSurface& surface, double sign, double low, double high, const TraceLimits& limits,
                   const EndsAt& ends_at, CarriedArc& carried) {
   clear();
-  if (!Builder(surface, sign, low, high, limits, carried).run(ends_at, coefficients_, uv_coefficients_)) {
+  if (!Builder(surface, sign, low, high, limits, carried).run(ends_at, coefficients_)) {
     clear();
     return false;
   }
@@ -297,11 +296,6 @@ void Sheet::evaluate(double z, ArcPiece* pieces) const {
   const double place = (2.0 * z - low_ - high_) / (high_ - low_);
   static_assert(sizeof(ArcPiece) == kNumbers * sizeof(double));
   depth_kernel().blend(coefficients_.data(), piece_count_ * kNumbers, place, pieces->x.data());
-}
-
-void Sheet::evaluate_uv(double z, ArcPiece* pieces) const {
-  const double place = (2.0 * z - low_ - high_) / (high_ - low_);
-  depth_kernel().blend(uv_coefficients_.data(), piece_count_ * kNumbers, place, pieces->x.data());
 }
 
 }  // namespace lamella::span
