@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <ctime>
 #include <fstream>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
@@ -66,6 +67,8 @@ std::optional<std::string> receive_message(int socket) {
     const rlimit limit{seconds, seconds + 2};
     ::setrlimit(RLIMIT_CPU, &limit);
   }
+  // A child has nothing to do once its parent is gone.
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   const rlimit no_core{0, 0};
   ::setrlimit(RLIMIT_CORE, &no_core);
   int code = 0;
