@@ -98,7 +98,7 @@ ArcPiece reversed(const ArcPiece& piece) {
   return result;
 }
 
-bool join_points(const SectionPoint& a, const SectionPoint& b, ArcPiece& piece) {
+bool join_points(const SectionPoint& a, const SectionPoint& b, ArcPiece& piece, ArcPiece& uv) {
   const Vec2 weight = chord_weight(a, b);
   const double span = weight.dot(b.uv - a.uv);
   if (!(span > 0.0)) return false;
@@ -106,6 +106,7 @@ bool join_points(const SectionPoint& a, const SectionPoint& b, ArcPiece& piece) 
   const End to = end_of(b, weight, span);
   if (!is_even(from, to, (b.xy - a.xy).norm())) return false;
   piece = joined(from.xy, to.xy);
+  uv = joined(from.uv, to.uv);
   return true;
 }
 
@@ -113,23 +114,21 @@ PieceFit fit_piece(const SectionSurface& surface, const Cell& cell, const Sectio
   PieceFit fit;
   fit.error = std::numeric_limits<double>::infinity();
   fit.weight = chord_weight(a, b);
-  const double span = fit.weight.dot(b.uv - a.uv);
-  if (!(span > 0.0)) return fit;
-  const End from = end_of(a, fit.weight, span);
-  const End to = end_of(b, fit.weight, span);
-  const double length = (b.xy - a.xy).norm();
-  if (!is_even(from, to, length)) return fit;
-  fit.piece = joined(from.xy, to.xy);
-  const ArcPiece uv = joined(from.uv, to.uv);
-  const Vec2 middle = uv.at(0.5);
-  const SurfacePoint2 at = surface.evaluate(middle, cell);
-  // Back to the height of the section without a change of the parameter.
+  ArcPiece uv;
+  if (!join_points(a, b, fit.piece, uv)) return fit;
   const Vec2 aside(-fit.weight[1], fit.weight[0]);
-  const Vec3 move = at.du * aside[0] + at.dv * aside[1];
-  const double amount = (a.z - at.point.z()) / move.z();
-  const Vec2 exact = at.point.head<2>() + amount * move.head<2>();
-  const double error = (fit.piece.at(0.5) - exact).norm() + std::abs(b.z - a.z);
-  if (error <= 0.1 * length) fit.error = error;  // not for NaN
+  const std::size_t count = surface.crosses_knot(a.uv, b.uv, cell) ? kMeasured.size() : 1;
+  double error = std::abs(b.z - a.z);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double t = kMeasured[i];
+    const SurfacePoint at = surface.evaluate_slopes(uv.at(t), cell);
+    // Back to the height of the section without a change of the parameter.
+    const Vec3 move = at.du * aside[0] + at.dv * aside[1];
+    const double amount = (a.z - at.point.z()) / move.z();
+    const double off = (fit.piece.at(t) - at.point.head<2>() - amount * move.head<2>()).norm();
+    if (!(off <= error)) error = off;  // keeps NaN
+  }
+  if (error <= 0.1 * (b.xy - a.xy).norm()) fit.error = error;  // not for NaN
   return fit;
 }
 

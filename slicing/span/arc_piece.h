@@ -35,12 +35,18 @@ struct PieceFit {
 
 /// Joins two neighbouring points of one section, both in `cell`, by the quintic that has their positions, tangents and
 /// curvatures: Hermite interpolation by a parameter that is linear in (u, v), so that its derivatives at both ends are
-/// exact. The error term is of order six in the step and largest in the middle, where it is measured.
+/// exact. The error term is of order six in the step and largest in the middle, where it is measured; a piece across a
+/// knot is measured at its quarters as well.
 [[nodiscard]] PieceFit fit_piece(const SectionSurface& surface, const Cell& cell, const SectionPoint& a,
                                  const SectionPoint& b);
 
-/// The same without the measurement: false when the two points can't be joined by one piece.
-[[nodiscard]] bool join_points(const SectionPoint& a, const SectionPoint& b, ArcPiece& piece);
+/// The same without the measurement: the piece in the plane and that in (u, v); false when the two points can't be
+/// joined by one piece.
+[[nodiscard]] bool join_points(const SectionPoint& a, const SectionPoint& b, ArcPiece& piece, ArcPiece& uv);
+
+/// Parameters at which a piece is measured: where a smooth arc's error is largest, and on both sides of it where a knot
+/// may lie within the piece.
+inline constexpr std::array<double, 3> kMeasured{0.5, 0.25, 0.75};
 
 /// (u, v) at parameter t of a fitted piece.
 [[nodiscard]] Vec2 uv_at(const PieceFit& fit, const SectionPoint& a, const SectionPoint& b, double t);

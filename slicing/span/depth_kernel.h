@@ -18,10 +18,14 @@ struct DepthTask {
 using DepthFunction = std::size_t (*)(const DepthTask& task, const double* rows, std::size_t count, double residual,
                                       double* xs);
 
+/// sums[i] = polynomial of degree 4 at `place`, coefficients[power * count + i].
+using BlendFunction = void (*)(const double* coefficients, std::size_t count, double place, double* sums);
+
 /// The same work compiled for three levels of the x86-64 architecture. Equal bytes on each: no contraction, no
 /// reassociation, and only operations that IEEE 754 rounds correctly.
 struct DepthKernel {
   DepthFunction solve = nullptr;
+  BlendFunction blend = nullptr;
   const char* level = "";
 };
 

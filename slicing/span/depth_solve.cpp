@@ -1,5 +1,5 @@
-// Compiled once for each level of the architecture, with LAMELLA_LEVEL naming the function. Nothing in here may have
-// external linkage but that function, and no inline function of a header may be used: at link time one copy of those
+// Compiled once for each level of the architecture, with LAMELLA_LEVEL in the functions' names. Nothing in here may have
+// external linkage but those functions, and no inline function of a header may be used: at link time one copy of those
 // would be kept, perhaps one with instructions that an older machine lacks.
 
 #include "slicing/span/depth_kernel.h"
@@ -40,9 +40,27 @@ double bisect(const DepthTask& task, double row, double sign) {
 
 }  // namespace
 
-std::size_t LAMELLA_LEVEL(const DepthTask& task, const double* rows, std::size_t count, double residual, double* xs);
+#define LAMELLA_JOIN(name, level) name##_##level
+#define LAMELLA_NAME(name, level) LAMELLA_JOIN(name, level)
 
-std::size_t LAMELLA_LEVEL(const DepthTask& task, const double* rows, std::size_t count, double residual, double* xs) {
+std::size_t LAMELLA_NAME(solve, LAMELLA_LEVEL)(const DepthTask& task, const double* rows, std::size_t count,
+                                               double residual, double* xs);
+void LAMELLA_NAME(blend, LAMELLA_LEVEL)(const double* coefficients, std::size_t count, double place, double* sums);
+
+void LAMELLA_NAME(blend, LAMELLA_LEVEL)(const double* coefficients, std::size_t count, double place, double* sums) {
+  const double* __restrict c0 = coefficients;
+  const double* __restrict c1 = c0 + count;
+  const double* __restrict c2 = c1 + count;
+  const double* __restrict c3 = c2 + count;
+  const double* __restrict c4 = c3 + count;
+  double* __restrict out = sums;
+  for (std::size_t i = 0; i < count; ++i) {
+    out[i] = c0[i] + place * (c1[i] + place * (c2[i] + place * (c3[i] + place * c4[i])));
+  }
+}
+
+std::size_t LAMELLA_NAME(solve, LAMELLA_LEVEL)(const DepthTask& task, const double* rows, std::size_t count,
+                                               double residual, double* xs) {
   double cx[6], cy[6];
   for (int i = 0; i < 6; ++i) cx[i] = task.x[i];
   for (int i = 0; i < 6; ++i) cy[i] = task.y[i];

@@ -113,6 +113,7 @@ void FaceSection::carry_families(double z, NodeTable& nodes, SectionCounters& co
   std::vector<Family> kept;
   for (Family& family : families_) {
     CarriedArc& carried = family.carried;
+    family.sheet.clear();
     if (carried.empty()) continue;
     bool holds = false;
     if (family.cut >= 0) {
@@ -120,7 +121,7 @@ void FaceSection::carry_families(double z, NodeTable& nodes, SectionCounters& co
       if (!piece.crosses(inner)) continue;
       const FacePoint seed = cut_point(family, inner);
       holds = seed.usable &&
-              carry(face_->surface, face_->sign, seed.point, seed.point, inner, limits_, true, carried);
+              carry(face_->surface, face_->sign, seed.point, seed.point, inner, limits_, carried);
     } else {
       const bool is_there = std::binary_search(starts_.begin(), starts_.end(), family.begin) &&
                             std::binary_search(ends_.begin(), ends_.end(), family.end);
@@ -128,7 +129,7 @@ void FaceSection::carry_families(double z, NodeTable& nodes, SectionCounters& co
       const FacePoint begin = layer_point(family.begin, z, inner, nodes);
       const FacePoint end = layer_point(family.end, z, inner, nodes);
       holds = begin.usable && end.usable &&
-              carry(face_->surface, face_->sign, begin.point, end.point, inner, limits_, true, carried);
+              carry(face_->surface, face_->sign, begin.point, end.point, inner, limits_, carried);
       if (holds) is_paired_[family.begin] = is_paired_[family.end] = 1;
     }
     if (holds) kept.push_back(std::move(family));

@@ -51,6 +51,7 @@ SectionCounters& SectionCounters::operator+=(const SectionCounters& other) {
   arcs += other.arcs;
   families += other.families;
   carried_families += other.carried_families;
+  sheets += other.sheets;
   traced += other.traced;
   doubtful_arcs += other.doubtful_arcs;
   unbalanced += other.unbalanced;
@@ -88,16 +89,18 @@ Node NodeTable::node_at(std::uint32_t piece, double z) const {
   return node;
 }
 
-FaceSection::FaceSection(const Scene& scene, const FaceModel& face, const EdgePieces& edges, const TraceLimits& limits)
-    : scene_(&scene), face_(&face), edges_(&edges), limits_(limits) {
+FaceSection::FaceSection(const Scene& scene, const FaceModel& face, const EdgePieces& edges, const TraceLimits& limits,
+                         std::span<const double> heights)
+    : scene_(&scene), face_(&face), edges_(&edges), limits_(limits), heights_(heights) {
   limits_.longest = std::max(0.5 * face.size, 1e-6);
 }
 
-void FaceSection::cut(double z, NodeTable& nodes, Section& out, SectionCounters& counters) {
+void FaceSection::cut(std::size_t layer, NodeTable& nodes, Section& out, SectionCounters& counters) {
+  layer_ = layer;
+  const double z = heights_[layer];
   const auto band = face_->band_of(z);
   if (!band) return;
   entered_ = band != band_;
-  layers_in_band_ = entered_ ? 0 : layers_in_band_ + 1;
   if (entered_) enter_band(*band, z, nodes, counters);
   const std::size_t before = out.arcs.size();
   switch (face_->kind) {
@@ -244,6 +247,51 @@ bool FaceSection::are_joined(const FacePoint& begin, const FacePoint& end) const
   return distance <= 1e-7 || step.dot(begin.point.tangent) <= 0.0;
 }
 
+bool FaceSection::cut_by_sheet(const Family& family, double inner, NodeTable& nodes, Section& out) const {
+  if (!family.sheet.covers(inner)) return false;
+  const auto first = static_cast<std::uint32_t>(out.pieces.size());
+  const auto count = static_cast<std::uint32_t>(family.sheet.piece_count());
+  out.pieces.resize(first + count);
+  family.sheet.evaluate(inner, out.pieces.data() + first);
+  SectionArc arc{face_->id, {}, {}, first, count};
+  if (family.cut >= 0) {
+    arc.begin = arc.end = out.pieces[first].at(0.0);
+  } else {
+    arc.begin = nodes.node(face_->uses[family.begin].piece).xy;
+    arc.end = nodes.node(face_->uses[family.end].piece).xy;
+  }
+  out.arcs.push_back(arc);
+  return true;
+}
+
+void FaceSection::try_sheet(Family& family, double inner, const NodeTable& nodes, SectionCounters& counters) {
+  if (family.carried.empty() || family.carried.z != inner || layer_ < family.next_sheet) return;
+  std::size_t last = layer_;
+  while (last + 1 < heights_.size() && heights_[last + 1] < face_->events[*band_ + 1]) ++last;
+  const auto ends_at = [&](double z, SectionPoint& begin, SectionPoint& end) {
+    if (family.cut >= 0) {
+      const FacePoint seed = cut_point(family, z);
+      begin = end = seed.point;
+      return seed.usable;
+    }
+    const PieceUse& begin_use = face_->uses[family.begin];
+    const PieceUse& end_use = face_->uses[family.end];
+    const FacePoint from = face_point(begin_use, nodes.node_at(begin_use.piece, z), z);
+    const FacePoint to = face_point(end_use, nodes.node_at(end_use.piece, z), z);
+    begin = from.point;
+    end = to.point;
+    return from.usable && to.usable;
+  };
+  for (; last - layer_ + 1 >= Sheet::kFewestLayers; last = layer_ + (last - layer_) / 2) {
+    const double high = inner_height(heights_[last]);
+    if (family.sheet.build(face_->surface, face_->sign, inner, high, limits_, ends_at, family.carried)) {
+      ++counters.sheets;
+      return;
+    }
+  }
+  family.next_sheet = layer_ + Sheet::kFewestLayers / 2;
+}
+
 FaceSection::FacePoint FaceSection::layer_point(std::uint32_t use, double z, double inner, NodeTable& nodes) const {
   const PieceUse& piece_use = face_->uses[use];
   const Node& stored = nodes.node(piece_use.piece);
@@ -257,14 +305,17 @@ void FaceSection::cut_traced(double z, NodeTable& nodes, Section& out, SectionCo
   const double inner = inner_height(z);
   end_points_.resize(1);  // the first place is for the seed of a loop
   for (Family& family : families_) {
+    if (cut_by_sheet(family, inner, nodes, out)) continue;
     if (family.cut >= 0) {
       cut_loop(family, inner, out, counters);
+      try_sheet(family, inner, nodes, counters);
       continue;
     }
     const FacePoint begin = layer_point(family.begin, z, inner, nodes);
     const FacePoint end = layer_point(family.end, z, inner, nodes);
     cut_arc(family, begin, end, out, counters);
     if (entered_ && end.usable) end_points_.push_back(end.point);
+    try_sheet(family, inner, nodes, counters);
   }
   if (entered_ && !face_->cuts.empty()) {
     const std::size_t known = families_.size();
@@ -293,7 +344,7 @@ void FaceSection::cut_arc(Family& family, const FacePoint& begin, const FacePoin
     return;
   }
   if (!carried.empty() &&
-      carry(face_->surface, face_->sign, begin.point, end.point, z, limits_, measures_now(), carried)) {
+      carry(face_->surface, face_->sign, begin.point, end.point, z, limits_, carried)) {
     append(begin.node, end.node, carried.arc.pieces, out);
     return;
   }
@@ -355,7 +406,7 @@ void FaceSection::cut_loop(Family& family, double z, Section& out, SectionCounte
   CarriedArc& carried = family.carried;
   if (seed.usable && !carried.empty() &&
       (carried.z == z ||
-       carry(face_->surface, face_->sign, seed.point, seed.point, z, limits_, measures_now(), carried))) {
+       carry(face_->surface, face_->sign, seed.point, seed.point, z, limits_, carried))) {
     append(seed.node, seed.node, carried.arc.pieces, out);
     return;
   }

@@ -2,11 +2,13 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "slicing/span/face_model.h"
 #include "slicing/span/propagate.h"
 #include "slicing/span/section.h"
+#include "slicing/span/sheet.h"
 #include "slicing/span/tracer.h"
 
 namespace lamella::span {
@@ -41,10 +43,12 @@ class NodeTable {
 /// one layer to the next.
 class FaceSection {
  public:
-  FaceSection(const Scene& scene, const FaceModel& face, const EdgePieces& edges, const TraceLimits& limits);
+  /// `heights` are all layers to come, ascending; they must outlive this.
+  FaceSection(const Scene& scene, const FaceModel& face, const EdgePieces& edges, const TraceLimits& limits,
+              std::span<const double> heights);
 
-  /// Appends the face's arcs at height z, the height that `nodes` has been set to.
-  void cut(double z, NodeTable& nodes, Section& out, SectionCounters& counters);
+  /// Appends the face's arcs on one of the heights, the one that `nodes` has been set to.
+  void cut(std::size_t layer, NodeTable& nodes, Section& out, SectionCounters& counters);
 
  private:
   /// An arc as it goes through a band: from one use to another, or a loop from a cut.
@@ -54,6 +58,8 @@ class FaceSection {
     std::int32_t cut = -1;  ///< of a loop: index of the cut line and of its piece
     std::uint32_t cut_piece = 0;
     CarriedArc carried;  ///< what the last layer left
+    Sheet sheet;
+    std::size_t next_sheet = 0;  ///< layer from which another sheet may be tried
     double sweep = 0.0;  ///< circles: angle at `z`, positive
     double z = 0.0;
   };
@@ -86,8 +92,9 @@ class FaceSection {
   [[nodiscard]] static bool passes_near(const TracedArc& arc, const Vec2& xy);
   void cut_arc(Family& family, const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters);
   [[nodiscard]] FacePoint layer_point(std::uint32_t use, double z, double inner, NodeTable& nodes) const;
-  [[nodiscard]] bool measures_now() const { return entered_ || layers_in_band_ % kMeasuredLayers == 0; }
   /// An arc that can't be followed from end to end: both ways as far as they come nearest, and a chord between.
+  bool cut_by_sheet(const Family& family, double inner, NodeTable& nodes, Section& out) const;
+  void try_sheet(Family& family, double inner, const NodeTable& nodes, SectionCounters& counters);
   void bridge(const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters);
   /// Distance of the face from the middle of the chord between two of its points, mm.
   [[nodiscard]] double height_off(const SectionPoint& a, const SectionPoint& b) const;
@@ -110,12 +117,10 @@ class FaceSection {
   const FaceModel* face_;
   const EdgePieces* edges_;
   TraceLimits limits_;
-  /// Pieces of carried arcs are measured against the surface on every layer of this number, and in a new band.
-  static constexpr int kMeasuredLayers = 4;
-
+  std::span<const double> heights_;
+  std::size_t layer_ = 0;
   std::optional<std::size_t> band_;
   bool entered_ = false;  ///< this layer is the first in its band
-  int layers_in_band_ = 0;
   std::vector<Family> families_;
   TracedArc traced_;
   TracedArc backward_;

@@ -12,17 +12,6 @@ constexpr double kLargestTurn = 0.6;  // radians between neighbouring points
 /// A longer correction than this share of the way that a point was moved means that the extrapolation is off.
 constexpr double kCorrectionShare = 0.3;
 
-/// Moves `at` to first order in a step of (u, v), as its second derivatives say.
-void shift(SurfacePoint2& at, const Vec2& step) {
-  const double u = step[0];
-  const double v = step[1];
-  at.point += at.du * u + at.dv * v + at.duu * (0.5 * u * u) + at.duv * (u * v) + at.dvv * (0.5 * v * v);
-  const Vec3 du = at.duu * u + at.duv * v;
-  const Vec3 dv = at.duv * u + at.dvv * v;
-  at.du += du;
-  at.dv += dv;
-}
-
 /// The step along the free way of a point that changes z by dz.
 Vec2 step_for(const SurfacePoint& at, int axis, double dz) {
   if (axis < 0) return steepest_step(at, dz);
@@ -33,9 +22,8 @@ Vec2 step_for(const SurfacePoint& at, int axis, double dz) {
 
 class Carrier {
  public:
-  Carrier(const SectionSurface& surface, double sign, double z, const TraceLimits& limits, bool measure,
-          CarriedArc& carried)
-      : surface_(surface), sign_(sign), z_(z), limits_(limits), measure_(measure), carried_(carried) {}
+  Carrier(const SectionSurface& surface, double sign, double z, const TraceLimits& limits, CarriedArc& carried)
+      : surface_(surface), sign_(sign), z_(z), limits_(limits), carried_(carried) {}
 
   bool run(const SectionPoint& begin, const SectionPoint& end) {
     const std::size_t last = carried_.arc.pieces.size();
@@ -151,7 +139,7 @@ class Carrier {
   bool join(const Place& a, const Place& b, int halvings) {
     SectionPoint end = b.point;
     // The end of this piece as its own cell sees it.
-    if (!(a.cell == b.cell) && !surface_.is_smooth()) {
+    if (!(a.cell == b.cell)) {
       end = section_point(surface_.evaluate(end.uv, a.cell), end.uv, sign_);
       end.z = z_;
     }
@@ -178,7 +166,6 @@ class Carrier {
 
   bool fits(const Place& a, const SectionPoint& end, ArcPiece& piece) const {
     if (!(a.point.tangent.dot(end.tangent) > std::cos(kLargestTurn))) return false;
-    if (!measure_) return join_points(a.point, end, piece);
     const PieceFit fit = fit_piece(surface_, a.cell, a.point, end);
     piece = fit.piece;
     return fit.error <= 2.0 * limits_.tolerance;
@@ -202,12 +189,21 @@ class Carrier {
   double sign_;
   double z_;
   const TraceLimits& limits_;
-  bool measure_;
   CarriedArc& carried_;
   std::vector<Place> places_;
 };
 
 }  // namespace
+
+void shift(SurfacePoint2& at, const Vec2& step) {
+  const double u = step[0];
+  const double v = step[1];
+  at.point += at.du * u + at.dv * v + at.duu * (0.5 * u * u) + at.duv * (u * v) + at.dvv * (0.5 * v * v);
+  const Vec3 du = at.duu * u + at.duv * v;
+  const Vec3 dv = at.duv * u + at.dvv * v;
+  at.du += du;
+  at.dv += dv;
+}
 
 void CarriedArc::start(double height) {
   z = height;
@@ -217,8 +213,8 @@ void CarriedArc::start(double height) {
 }
 
 bool carry(const SectionSurface& surface, double sign, const SectionPoint& begin, const SectionPoint& end, double z,
-           const TraceLimits& limits, bool measure, CarriedArc& carried) {
-  return Carrier(surface, sign, z, limits, measure, carried).run(begin, end);
+           const TraceLimits& limits, CarriedArc& carried) {
+  return Carrier(surface, sign, z, limits, carried).run(begin, end);
 }
 
 }  // namespace lamella::span

@@ -16,7 +16,7 @@ namespace {
 /// Share of the domain by which the outer cells reach beyond it.
 constexpr double kOuterMargin = 0.02;
 
-/// Bernstein polynomials of one degree with first and second derivatives at a place.
+/// Bernstein polynomials of one degree with first and, if asked for, second derivatives at a place.
 struct BernsteinRow {
   std::array<double, kMaxDegree + 1> value;
   std::array<double, kMaxDegree + 1> slope;
@@ -31,28 +31,58 @@ void raise(double* b, int n, double s) {
   b[0] = r * b[0];
 }
 
-void fill_row(int degree, double s, double scale, BernsteinRow& row) {
+/// The derivative's row from that of one degree less: factor (b[i - 1] - b[i]).
+void differ(const double* b, int degree, double factor, double* out) {
+  out[0] = -factor * b[0];
+  for (int i = 1; i < degree; ++i) out[i] = factor * (b[i - 1] - b[i]);
+  out[degree] = factor * b[degree - 1];
+}
+
+void fill_general(int degree, double s, double scale, bool bends, BernsteinRow& row) {
   double* b = row.value.data();
   b[0] = 1.0;
   for (int n = 1; n <= degree - 2; ++n) raise(b, n, s);
-  for (int i = 0; i <= degree; ++i) row.bend[i] = 0.0;
+  if (bends) row.bend.fill(0.0);
   if (degree >= 2) {
-    const double factor = degree * (degree - 1) * scale * scale;
-    for (int i = 0; i <= degree - 2; ++i) {
-      row.bend[i] += factor * b[i];
-      row.bend[i + 1] -= 2.0 * factor * b[i];
-      row.bend[i + 2] += factor * b[i];
+    if (bends) {
+      std::array<double, kMaxDegree + 1> first;
+      differ(b, degree - 1, (degree - 1) * scale, first.data());
+      differ(first.data(), degree, degree * scale, row.bend.data());
     }
     raise(b, degree - 1, s);
   }
-  for (int i = 0; i <= degree; ++i) row.slope[i] = 0.0;
+  row.slope[0] = 0.0;
   if (degree >= 1) {
-    const double factor = degree * scale;
-    for (int i = 0; i <= degree - 1; ++i) {
-      row.slope[i] -= factor * b[i];
-      row.slope[i + 1] += factor * b[i];
-    }
+    differ(b, degree, degree * scale, row.slope.data());
     raise(b, degree, s);
+  }
+}
+
+/// The degree of most surfaces, written out.
+void fill_cubic(double s, double scale, BernsteinRow& row) {
+  const double r = 1.0 - s;
+  const double rr = r * r, rs = r * s, ss = s * s;
+  row.value[0] = r * rr;
+  row.value[1] = 3.0 * s * rr;
+  row.value[2] = 3.0 * r * ss;
+  row.value[3] = s * ss;
+  const double d = 3.0 * scale;
+  row.slope[0] = -d * rr;
+  row.slope[1] = d * (rr - 2.0 * rs);
+  row.slope[2] = d * (2.0 * rs - ss);
+  row.slope[3] = d * ss;
+  const double e = 6.0 * scale * scale;
+  row.bend[0] = e * r;
+  row.bend[1] = e * (s - 2.0 * r);
+  row.bend[2] = e * (r - 2.0 * s);
+  row.bend[3] = e * s;
+}
+
+void fill_row(int degree, double s, double scale, bool bends, BernsteinRow& row) {
+  if (degree == 3) {
+    fill_cubic(s, scale, row);
+  } else {
+    fill_general(degree, s, scale, bends, row);
   }
 }
 
@@ -64,16 +94,10 @@ std::vector<double> distinct(const std::vector<double>& knots, double lo, double
   return breaks;
 }
 
-/// Whether no inner knot comes more often than leaves the curve its second derivative.
-bool has_second_derivatives(const std::vector<double>& knots, int degree) {
-  const double lo = knots[static_cast<std::size_t>(degree)];
-  const double hi = knots[knots.size() - 1 - static_cast<std::size_t>(degree)];
-  int run = 0;
-  for (std::size_t i = 0; i < knots.size(); ++i) {
-    run = i > 0 && knots[i] == knots[i - 1] ? run + 1 : 1;
-    if (knots[i] > lo && knots[i] < hi && run > degree - 2) return false;
-  }
-  return true;
+/// Multiplicity of a knot.
+int count_of(const std::vector<double>& knots, double knot) {
+  const auto [first, last] = std::equal_range(knots.begin(), knots.end(), knot);
+  return static_cast<int>(last - first);
 }
 
 Vec4 homogeneous(const Vec3& pole, double weight, const Vec3& origin) {
@@ -105,6 +129,7 @@ BezierNets::BezierNets(const BSplineSurface& surface) : degree_u_(surface.degree
   breaks_u_ = distinct(surface.knots_u, u.lo, u.hi);
   breaks_v_ = distinct(surface.knots_v, v.lo, v.hi);
   origin_ = surface.poles.front();
+  rational_ = !surface.weights.empty();
   for (const BezierPatch& patch : split_to_bezier(surface)) {
     for (const Vec4& pole : patch.net) {
       Vec4 local = pole;
@@ -127,38 +152,69 @@ BezierNets::BezierNets(const BSplineCurve<3>& curve) : degree_u_(curve.degree) {
   }
 }
 
-SurfacePoint2 BezierNets::evaluate(const Vec2& uv, const Cell& cell) const {
-  const int count_u = degree_u_ + 1;
-  const int count_v = degree_v_ + 1;
-  const double scale_u = 1.0 / (breaks_u_[cell.u + 1] - breaks_u_[cell.u]);
-  const double scale_v = 1.0 / (breaks_v_[cell.v + 1] - breaks_v_[cell.v]);
-  BernsteinRow bu, bv;
-  fill_row(degree_u_, (uv[0] - breaks_u_[cell.u]) * scale_u, scale_u, bu);
-  fill_row(degree_v_, (uv[1] - breaks_v_[cell.v]) * scale_v, scale_v, bv);
-  const int cells_v = static_cast<int>(breaks_v_.size()) - 1;
-  const Vec4* net = poles_.data() + static_cast<std::ptrdiff_t>(cell.u * cells_v + cell.v) * count_u * count_v;
-  Vec4 s = Vec4::Zero(), su = s, sv = s, suu = s, suv = s, svv = s;
+const Vec4* BezierNets::net_of(const Cell& cell) const {
+  const auto cells_v = static_cast<std::ptrdiff_t>(breaks_v_.size()) - 1;
+  return poles_.data() + (cell.u * cells_v + cell.v) * (degree_u_ + 1) * (degree_v_ + 1);
+}
+
+namespace {
+
+/// Sums of a net with the rows of both parameters: S, S_u, S_v and, if asked for, S_uu, S_uv, S_vv.
+template <bool Bends>
+void contract(const Vec4* net, int count_u, int count_v, const BernsteinRow& bu, const BernsteinRow& bv, Vec4* sums) {
+  for (int k = 0; k < (Bends ? 6 : 3); ++k) sums[k].setZero();
   for (int i = 0; i < count_u; ++i, net += count_v) {
-    Vec4 r = bv.value[0] * net[0], rv = bv.slope[0] * net[0], rvv = bv.bend[0] * net[0];
+    Vec4 r = bv.value[0] * net[0];
+    Vec4 rv = bv.slope[0] * net[0];
     for (int j = 1; j < count_v; ++j) {
       r += bv.value[j] * net[j];
       rv += bv.slope[j] * net[j];
-      rvv += bv.bend[j] * net[j];
     }
-    s += bu.value[i] * r;
-    su += bu.slope[i] * r;
-    sv += bu.value[i] * rv;
-    suu += bu.bend[i] * r;
-    suv += bu.slope[i] * rv;
-    svv += bu.value[i] * rvv;
+    sums[0] += bu.value[i] * r;
+    sums[1] += bu.slope[i] * r;
+    sums[2] += bu.value[i] * rv;
+    if constexpr (Bends) {
+      Vec4 rvv = bv.bend[0] * net[0];
+      for (int j = 1; j < count_v; ++j) rvv += bv.bend[j] * net[j];
+      sums[3] += bu.bend[i] * r;
+      sums[4] += bu.slope[i] * rv;
+      sums[5] += bu.value[i] * rvv;
+    }
   }
-  return divide(s, su, sv, suu, suv, svv, origin_);
+}
+
+}  // namespace
+
+SurfacePoint2 BezierNets::evaluate(const Vec2& uv, const Cell& cell) const {
+  const double scale_u = 1.0 / (breaks_u_[cell.u + 1] - breaks_u_[cell.u]);
+  const double scale_v = 1.0 / (breaks_v_[cell.v + 1] - breaks_v_[cell.v]);
+  BernsteinRow bu, bv;
+  fill_row(degree_u_, (uv[0] - breaks_u_[cell.u]) * scale_u, scale_u, true, bu);
+  fill_row(degree_v_, (uv[1] - breaks_v_[cell.v]) * scale_v, scale_v, true, bv);
+  Vec4 s[6];
+  contract<true>(net_of(cell), degree_u_ + 1, degree_v_ + 1, bu, bv, s);
+  if (rational_) return divide(s[0], s[1], s[2], s[3], s[4], s[5], origin_);
+  return {{origin_ + s[0].head<3>(), s[1].head<3>(), s[2].head<3>()}, s[3].head<3>(), s[4].head<3>(), s[5].head<3>()};
+}
+
+SurfacePoint BezierNets::evaluate_slopes(const Vec2& uv, const Cell& cell) const {
+  const double scale_u = 1.0 / (breaks_u_[cell.u + 1] - breaks_u_[cell.u]);
+  const double scale_v = 1.0 / (breaks_v_[cell.v + 1] - breaks_v_[cell.v]);
+  BernsteinRow bu, bv;
+  fill_row(degree_u_, (uv[0] - breaks_u_[cell.u]) * scale_u, scale_u, false, bu);
+  fill_row(degree_v_, (uv[1] - breaks_v_[cell.v]) * scale_v, scale_v, false, bv);
+  Vec4 s[3];
+  contract<false>(net_of(cell), degree_u_ + 1, degree_v_ + 1, bu, bv, s);
+  const double inverse = rational_ ? 1.0 / s[0][3] : 1.0;
+  const Vec3 point = s[0].head<3>() * inverse;
+  if (!rational_) return {origin_ + point, s[1].head<3>(), s[2].head<3>()};
+  return {origin_ + point, (s[1].head<3>() - s[1][3] * point) * inverse, (s[2].head<3>() - s[2][3] * point) * inverse};
 }
 
 CurvePoint2<3> BezierNets::evaluate(double t, int cell) const {
   const double scale = 1.0 / (breaks_u_[cell + 1] - breaks_u_[cell]);
   BernsteinRow row;
-  fill_row(degree_u_, (t - breaks_u_[cell]) * scale, scale, row);
+  fill_row(degree_u_, (t - breaks_u_[cell]) * scale, scale, true, row);
   const Vec4* net = poles_.data() + static_cast<std::ptrdiff_t>(cell) * (degree_u_ + 1);
   Vec4 c = Vec4::Zero(), ct = c, ctt = c;
   for (int i = 0; i <= degree_u_; ++i) {
@@ -178,56 +234,76 @@ CurvePoint2<3> BezierNets::evaluate(double t, int cell) const {
 SectionSurface::SectionSurface(const Surface& surface) : surface_(&surface), periods_(lamella::periods(surface)) {
   const auto* spline = std::get_if<BSplineSurface>(&surface);
   if (const auto* fitted = std::get_if<FittedSurface>(&surface)) spline = &fitted->fit;
+  const auto* extrusion = std::get_if<Extrusion>(&surface);
+  const auto* revolution = std::get_if<Revolution>(&surface);
   if (spline != nullptr) {
     kind_ = Kind::spline;
+    has_nets_ = true;
     nets_ = BezierNets(*spline);
-    is_smooth_ = has_second_derivatives(spline->knots_u, spline->degree_u) &&
-                 has_second_derivatives(spline->knots_v, spline->degree_v);
-    breaks_u_ = nets_.breaks_u();
-    breaks_v_ = nets_.breaks_v();
-  } else if (const auto* extrusion = std::get_if<Extrusion>(&surface)) {
-    kind_ = Kind::extrusion;
-    if (const auto* basis = std::get_if<BSplineCurve<3>>(&extrusion->basis)) {
+    set_breaks(0, nets_.breaks_u(), spline->knots_u, spline->degree_u);
+    set_breaks(1, nets_.breaks_v(), spline->knots_v, spline->degree_v);
+  } else if (extrusion != nullptr || revolution != nullptr) {
+    kind_ = extrusion != nullptr ? Kind::extrusion : Kind::revolution;
+    const Curve3& curve = extrusion != nullptr ? extrusion->basis : revolution->meridian;
+    if (const auto* basis = std::get_if<BSplineCurve<3>>(&curve)) {
+      has_nets_ = true;
       nets_ = BezierNets(*basis);
-      is_smooth_ = has_second_derivatives(basis->knots, basis->degree);
-      breaks_u_ = nets_.breaks_u();
-      has_nets_ = true;
-    }
-  } else if (const auto* revolution = std::get_if<Revolution>(&surface)) {
-    kind_ = Kind::revolution;
-    if (const auto* meridian = std::get_if<BSplineCurve<3>>(&revolution->meridian)) {
-      nets_ = BezierNets(*meridian);
-      is_smooth_ = has_second_derivatives(meridian->knots, meridian->degree);
-      breaks_v_ = nets_.breaks_u();
-      has_nets_ = true;
+      set_breaks(extrusion != nullptr ? 0 : 1, nets_.breaks_u(), basis->knots, basis->degree);
     }
   }
 }
 
-CurvePoint2<3> SectionSurface::basis_point(double t, int cell) const {
-  if (has_nets_) return nets_.evaluate(t, cell);
+void SectionSurface::set_breaks(int axis, const std::vector<double>& pieces, const std::vector<double>& knots,
+                                int degree) {
+  pieces_[axis] = pieces;
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    const bool is_end = i == 0 || i + 1 == pieces.size();
+    if (!is_end && count_of(knots, pieces[i]) <= degree - 2) continue;
+    breaks_[axis].push_back(pieces[i]);
+    first_piece_[axis].push_back(static_cast<int>(i));
+  }
+}
+
+int SectionSurface::piece_of(int axis, double place, int cell) const {
+  const std::vector<double>& all = pieces_[axis];
+  if (all.empty()) return 0;
+  const int first = first_piece_[axis][cell];
+  const int last = first_piece_[axis][cell + 1];
+  if (last - first == 1) return first;
+  const auto above = std::upper_bound(all.begin() + first + 1, all.begin() + last, place);
+  return static_cast<int>(above - all.begin()) - 1;
+}
+
+bool SectionSurface::crosses_knot(const Vec2& a, const Vec2& b, const Cell& cell) const {
+  return piece_of(0, a[0], cell.u) != piece_of(0, b[0], cell.u) ||
+         piece_of(1, a[1], cell.v) != piece_of(1, b[1], cell.v);
+}
+
+CurvePoint2<3> SectionSurface::basis_point(double t, int piece) const {
+  if (has_nets_) return nets_.evaluate(t, piece);
   if (kind_ == Kind::extrusion) return evaluate2(std::get<Extrusion>(*surface_).basis, t);
   return evaluate2(std::get<Revolution>(*surface_).meridian, t);
 }
 
 SurfacePoint2 SectionSurface::evaluate(const Vec2& uv, const Cell& cell) const {
-  switch (kind_) {
-    case Kind::spline:
-      return nets_.evaluate(uv, cell);
-    case Kind::extrusion:
-      return extrude(basis_point(uv[0], cell.u), std::get<Extrusion>(*surface_).direction, uv[1]);
-    case Kind::revolution:
-      return revolve(basis_point(uv[1], cell.v), std::get<Revolution>(*surface_), uv[0]);
-    case Kind::analytic:
-      break;
+  if (kind_ == Kind::analytic) return evaluate2(*surface_, uv);
+  const Cell piece{piece_of(0, uv[0], cell.u), piece_of(1, uv[1], cell.v)};
+  if (kind_ == Kind::spline) return nets_.evaluate(uv, piece);
+  if (kind_ == Kind::extrusion) {
+    return extrude(basis_point(uv[0], piece.u), std::get<Extrusion>(*surface_).direction, uv[1]);
   }
-  return evaluate2(*surface_, uv);
+  return revolve(basis_point(uv[1], piece.v), std::get<Revolution>(*surface_), uv[0]);
+}
+
+SurfacePoint SectionSurface::evaluate_slopes(const Vec2& uv, const Cell& cell) const {
+  if (kind_ != Kind::spline) return evaluate(uv, cell);
+  return nets_.evaluate_slopes(uv, {piece_of(0, uv[0], cell.u), piece_of(1, uv[1], cell.v)});
 }
 
 Cell SectionSurface::find_cell(const Vec2& uv, const Vec2& heading) const {
   Cell cell;
   for (int axis = 0; axis < 2; ++axis) {
-    const std::vector<double>& all = breaks(axis);
+    const std::vector<double>& all = breaks_[axis];
     if (all.empty()) continue;
     const auto last = static_cast<int>(all.size()) - 2;
     const auto above = std::upper_bound(all.begin(), all.end(), uv[axis]) - all.begin() - 1;
@@ -239,10 +315,10 @@ Cell SectionSurface::find_cell(const Vec2& uv, const Vec2& heading) const {
 }
 
 Interval SectionSurface::limits(const Cell& cell, int axis) const {
-  const std::vector<double>& all = breaks(axis);
+  const std::vector<double>& all = breaks_[axis];
   if (all.empty()) return {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
   const int index = axis == 0 ? cell.u : cell.v;
-  // Nodes may lie outside the domain by an edge's tolerance: the outer pieces go on a little.
+  // Nodes may lie outside the domain by an edge's tolerance: the outer cells go on a little.
   const double margin = kOuterMargin * (all.back() - all.front());
   Interval limits{all[index], all[index + 1]};
   if (index == 0) limits.lo -= margin;
@@ -252,7 +328,7 @@ Interval SectionSurface::limits(const Cell& cell, int axis) const {
 
 bool SectionSurface::has_neighbor(const Cell& cell, int axis, bool upper) const {
   const int index = axis == 0 ? cell.u : cell.v;
-  return upper ? index + 2 < static_cast<int>(breaks(axis).size()) : index > 0;
+  return upper ? index + 2 < static_cast<int>(breaks_[axis].size()) : index > 0;
 }
 
 }  // namespace lamella::span

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "core/geometry.h"
@@ -9,7 +10,8 @@
 
 namespace lamella::span {
 
-/// One smooth part of a surface: the Bezier piece number along u and v; zeros for surfaces that are smooth all over.
+/// One part of a surface within which it has continuous second derivatives, by its number along u and v; zeros for
+/// surfaces that are smooth all over. Knots of less continuity are the limits between cells; arcs have points on them.
 struct Cell {
   int u = 0;
   int v = 0;
@@ -28,12 +30,16 @@ class BezierNets {
   [[nodiscard]] const std::vector<double>& breaks_u() const { return breaks_u_; }
   [[nodiscard]] const std::vector<double>& breaks_v() const { return breaks_v_; }
   [[nodiscard]] SurfacePoint2 evaluate(const Vec2& uv, const Cell& cell) const;
+  [[nodiscard]] SurfacePoint evaluate_slopes(const Vec2& uv, const Cell& cell) const;
   /// For nets of a curve.
   [[nodiscard]] CurvePoint2<3> evaluate(double t, int cell) const;
 
  private:
+  [[nodiscard]] const Vec4* net_of(const Cell& cell) const;
+
   int degree_u_ = 0;
   int degree_v_ = 0;
+  bool rational_ = false;
   std::vector<double> breaks_u_;
   std::vector<double> breaks_v_;
   std::vector<Vec4> poles_;  ///< net of cell (i, j) begins at (i * cells_v + j) * (degree_u + 1) * (degree_v + 1)
@@ -48,6 +54,8 @@ class SectionSurface {
   explicit SectionSurface(const Surface& surface);
 
   [[nodiscard]] SurfacePoint2 evaluate(const Vec2& uv, const Cell& cell) const;
+  /// Without second derivatives, for less.
+  [[nodiscard]] SurfacePoint evaluate_slopes(const Vec2& uv, const Cell& cell) const;
 
   /// The cell that holds `uv`; on a break the one that a step along `heading` enters.
   [[nodiscard]] Cell find_cell(const Vec2& uv, const Vec2& heading) const;
@@ -57,26 +65,28 @@ class SectionSurface {
   /// Whether there is another cell beyond the cell's upper (or lower) limit.
   [[nodiscard]] bool has_neighbor(const Cell& cell, int axis, bool upper) const;
 
-  [[nodiscard]] bool has_cells() const { return !breaks_u_.empty() || !breaks_v_.empty(); }
-  /// Whether second derivatives agree on both sides of every limit between cells.
-  [[nodiscard]] bool is_smooth() const { return is_smooth_; }
+  [[nodiscard]] bool has_cells() const { return !breaks_[0].empty() || !breaks_[1].empty(); }
+  /// Whether a knot with continuous second derivatives lies between two points of one cell.
+  [[nodiscard]] bool crosses_knot(const Vec2& a, const Vec2& b, const Cell& cell) const;
 
   [[nodiscard]] const Vec2& periods() const { return periods_; }
   [[nodiscard]] const Surface& surface() const { return *surface_; }
 
  private:
-  [[nodiscard]] CurvePoint2<3> basis_point(double t, int cell) const;
-  [[nodiscard]] const std::vector<double>& breaks(int axis) const { return axis == 0 ? breaks_u_ : breaks_v_; }
+  [[nodiscard]] CurvePoint2<3> basis_point(double t, int piece) const;
+  /// Bezier piece along one axis that serves a place in a cell.
+  [[nodiscard]] int piece_of(int axis, double place, int cell) const;
+  void set_breaks(int axis, const std::vector<double>& pieces, const std::vector<double>& knots, int degree);
 
   enum class Kind { analytic, spline, extrusion, revolution };
 
   const Surface* surface_;
   Kind kind_ = Kind::analytic;
-  bool is_smooth_ = true;
-  bool has_nets_ = false;  ///< the basis or meridian is a B-spline
+  bool has_nets_ = false;  ///< of a spline surface, or of the basis or meridian that is a spline
   BezierNets nets_;
-  std::vector<double> breaks_u_;  ///< ascending, empty where there are no cells
-  std::vector<double> breaks_v_;
+  std::array<std::vector<double>, 2> pieces_;     ///< limits of the Bezier pieces along u and v
+  std::array<std::vector<double>, 2> breaks_;     ///< limits of the cells; empty where there are none
+  std::array<std::vector<int>, 2> first_piece_;   ///< of each cell, and one more
   Vec2 periods_ = Vec2::Zero();
 };
 

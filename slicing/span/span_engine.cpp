@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 
 #include "core/parallel.h"
+#include "slicing/span/contours.h"
 #include "slicing/span/face_model.h"
 #include "slicing/span/face_section.h"
 #include "slicing/span/row_cast.h"
@@ -44,21 +46,25 @@ struct SolidSpans {
 /// What is carried through a slab for one solid.
 class SolidSlab {
  public:
-  SolidSlab(const Scene& scene, const SolidSpans& solid, double from, double to, const TraceLimits& limits)
-      : solid_(&solid), nodes_(scene, solid.edges) {
+  SolidSlab(const Scene& scene, const SolidSpans& solid, std::span<const double> heights, const TraceLimits& limits)
+      : solid_(&solid), heights_(heights), nodes_(scene, solid.edges) {
+    const double from = heights.front();
+    const double to = heights.back();
     for (const FaceModel& face : solid.faces) {
-      if (face.events.front() <= to && from < face.events.back()) faces_.emplace_back(scene, face, solid.edges, limits);
+      if (face.events.front() <= to && from < face.events.back()) faces_.emplace_back(scene, face, solid.edges, limits, heights);
     }
   }
 
-  void cut(double z, Section& out, SectionCounters& counters) {
+  void cut(std::size_t layer, Section& out, SectionCounters& counters) {
+    const double z = heights_[layer];
     if (!solid_->meets(z, z)) return;
     nodes_.start_layer(z);
-    for (FaceSection& face : faces_) face.cut(z, nodes_, out, counters);
+    for (FaceSection& face : faces_) face.cut(layer, nodes_, out, counters);
   }
 
  private:
   const SolidSpans* solid_;
+  std::span<const double> heights_;
   NodeTable nodes_;
   std::vector<FaceSection> faces_;
 };
@@ -75,6 +81,23 @@ struct SpanEngine::Data {
     TraceLimits limits;
     limits.tolerance = options.tolerance;
     return limits;
+  }
+
+  /// Calls visit(z, section) for each of the ascending heights; the section of a solid that isn't ours is empty.
+  template <class Visit>
+  void for_each_section(SolidId id, std::span<const double> heights, const Visit& visit) const {
+    const auto solid = std::find_if(solids.begin(), solids.end(), [&](const auto& s) { return s->id == id; });
+    std::optional<SolidSlab> slab;
+    if (solid != solids.end() && !heights.empty()) {
+      slab.emplace(*scene, **solid, heights.front(), heights.back(), limits());
+    }
+    Section section;
+    SectionCounters counters;
+    for (const double z : heights) {
+      section.clear();
+      if (slab) slab->cut(z, section, counters);
+      visit(z, section);
+    }
   }
 };
 
@@ -99,17 +122,19 @@ SpanEngine::SpanEngine(SpanEngine&&) noexcept = default;
 void SpanEngine::cut(std::span<const LayerRequest> slab, std::span<LayerSpans> out) const {
   if (slab.empty()) return;
   std::vector<SolidSlab> solids;
-  const double from = slab.front().z;
-  const double to = slab.back().z;
+  std::vector<double> heights;
+  for (const LayerRequest& request : slab) heights.push_back(request.z);
   for (const auto& solid : data_->solids) {
-    if (solid->meets(from, to)) solids.emplace_back(*data_->scene, *solid, from, to, data_->limits());
+    if (solid->meets(heights.front(), heights.back())) {
+      solids.emplace_back(*data_->scene, *solid, heights, data_->limits());
+    }
   }
   RowCast rows(*data_->scene);
   Section section;
   SectionCounters counters;
   for (std::size_t i = 0; i < slab.size(); ++i) {
     section.clear();
-    for (SolidSlab& solid : solids) solid.cut(slab[i].z, section, counters);
+    for (SolidSlab& solid : solids) solid.cut(i, section, counters);
     out[i].lattices.resize(slab[i].lattices.size());
     for (std::size_t k = 0; k < slab[i].lattices.size(); ++k) {
       rows.cast(section, slab[i].lattices[k], out[i].lattices[k], out[i].cast);
@@ -117,7 +142,25 @@ void SpanEngine::cut(std::span<const LayerRequest> slab, std::span<LayerSpans> o
   }
 }
 
-std::vector<SectionLoop> SpanEngine::contours(SolidId, double, double) const { return {}; }
+SectionContours SpanEngine::contours(SolidId solid, double z, double chord_error) const {
+  return contours(solid, std::span(&z, 1), chord_error).front();
+}
+
+std::vector<SectionContours> SpanEngine::contours(SolidId solid, std::span<const double> heights,
+                                                  double chord_error) const {
+  std::vector<SectionContours> result;
+  data_->for_each_section(solid, heights, [&](double z, const Section& section) {
+    result.push_back(assemble_contours(*data_->scene, section, {solid, z, chord_error}));
+  });
+  return result;
+}
+
+std::vector<double> SpanEngine::section_areas(SolidId solid, std::span<const double> heights) const {
+  std::vector<double> areas;
+  data_->for_each_section(solid, heights,
+                          [&](double, const Section& section) { areas.push_back(section_area(section)); });
+  return areas;
+}
 
 const std::vector<Finding>& SpanEngine::findings() const { return data_->findings; }
 
