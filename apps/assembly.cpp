@@ -41,9 +41,7 @@ std::string status_word(const SolidInfo& solid) {
   return solid.closed ? "ok" : "open";
 }
 
-bool is_sliceable(const SolidInfo& solid) {
-  return is_closed(solid) && solid.status != SolidStatus::empty;
-}
+bool is_sliceable(const SolidInfo& solid) { return is_closed(solid) && solid.status != SolidStatus::empty; }
 
 void require_solid(const Scene& scene, bool allow_open) {
   std::string paths;

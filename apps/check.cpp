@@ -112,7 +112,7 @@ Findings check_materials(const fs::path& file) {
   });
 }
 
-std::string place_of(const Finding& finding) {
+std::string where_of(const Finding& finding) {
   std::string where;
   for (const std::string& part : {finding.solid, finding.face, finding.entity}) {
     if (!part.empty()) where += (where.empty() ? "" : ", ") + part;
@@ -126,7 +126,7 @@ Findings check_step(const Session& session, const fs::path& file) {
   const Scene scene = read_step(files, {}, session.progress());
   Findings findings;
   for (const Finding& finding : scene.findings) {
-    findings.push_back({finding.severity, place_of(finding), finding.what, finding.hint});
+    findings.push_back({finding.severity, where_of(finding), finding.what, finding.hint});
   }
   for (const Solid& solid : scene.solids) {
     const std::string status = status_word(solid.info);
@@ -192,11 +192,6 @@ Findings check_path(const Session& session, const fs::path& path) {
   if (fs::exists(path / kBuildName, failure)) return check_stored_build(session, path);
   throw InputError(fs::exists(path / kUnfinishedName, failure) ? "an unfinished build" : "not a build: no build.xml",
                    path.string(), "lamella slice writes builds; slice again if it was stopped");
-}
-
-const char* word_of(Severity severity) {
-  if (severity == Severity::note) return "note";
-  return severity == Severity::warning ? "warning" : "error";
 }
 
 ExitCode run(const Session& session, const std::string& path) {

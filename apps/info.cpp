@@ -50,7 +50,7 @@ FaceCounts count_faces(const Scene& scene, SolidId solid) {
   return counts;
 }
 
-Json json_of(const SourceFile& file) { return {{"path", file.path}, {"schema", file.schema}, {"unit", file.unit}}; }
+Json file_json(const SourceFile& file) { return {{"path", file.path}, {"schema", file.schema}, {"unit", file.unit}}; }
 
 Json solid_json(const Assembly& assembly, SolidId id) {
   const SolidInfo& info = assembly.scene.solids[id].info;
@@ -68,7 +68,7 @@ Json solid_json(const Assembly& assembly, SolidId id) {
           {"rule", assignment.rule},
           {"volume", measure.volume},
           {"area", measure.area},
-          {"bounds", apps::json_of(measure.bounds)},
+          {"bounds", json_of(measure.bounds)},
           {"faces", counts.faces},
           {"edges", counts.edges},
           {"surface_types", counts.surface_types},
@@ -83,10 +83,10 @@ Json solid_json(const Assembly& assembly, SolidId id) {
 
 Json info_json(const Assembly& assembly) {
   Json files = Json::array();
-  for (const SourceFile& file : assembly.scene.files) files.push_back(json_of(file));
+  for (const SourceFile& file : assembly.scene.files) files.push_back(file_json(file));
   Json solids = Json::array();
   for (const SolidId id : assembly.scene.solids.ids()) solids.push_back(solid_json(assembly, id));
-  return {{"files", files}, {"solids", solids}, {"warnings", apps::json_of(assembly.findings)}};
+  return {{"files", files}, {"solids", solids}, {"warnings", json_of(assembly.findings)}};
 }
 
 std::string files_text(const Scene& scene) {
@@ -183,7 +183,7 @@ ExitCode run(const Session& session, const InfoOptions& options) {
   const auto hopeless = find_hopeless(assembly.scene);
   if (session.json()) {
     Json object = info_json(assembly);
-    if (hopeless) object["error"] = apps::json_of(*hopeless);
+    if (hopeless) object["error"] = json_of(*hopeless);
     session.print(object);
   }
   session.print(files_text(assembly.scene) + "\n" + solids_text(assembly) + "\n" + materials_text(assembly) + "\n" +

@@ -2,8 +2,6 @@
 
 namespace lamella::apps {
 
-namespace {
-
 const char* word_of(Severity severity) {
   switch (severity) {
     case Severity::note:
@@ -15,8 +13,6 @@ const char* word_of(Severity severity) {
   }
   return "error";
 }
-
-}  // namespace
 
 Json json_of(const Vec2& value) { return Json::array({value.x(), value.y()}); }
 

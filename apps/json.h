@@ -10,6 +10,8 @@ namespace lamella::apps {
 /// Keys in the order of docs/command.md; numbers that aren't finite become null.
 using Json = nlohmann::ordered_json;
 
+/// "note", "warning" or "error".
+[[nodiscard]] const char* word_of(Severity severity);
 [[nodiscard]] Json json_of(const Vec2& value);
 [[nodiscard]] Json json_of(const Vec3& value);
 /// [[x,y,z],[x,y,z]], or null when the box is empty or not finite.

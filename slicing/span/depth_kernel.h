@@ -18,6 +18,17 @@ struct DepthTask {
 using DepthFunction = std::size_t (*)(const DepthTask& task, const double* rows, std::size_t count, double residual,
                                       double* xs);
 
+/// The part of an ellipse on one side of the line through its turning points, by the row's own coordinates:
+/// x = center_x + slant w + bulge sqrt(1 - w^2) with w = (y - center_y) / reach.
+struct RoundTask {
+  double center_x = 0.0;
+  double center_y = 0.0;
+  double reach = 0.0;  ///< half the ellipse's extent in y
+  double slant = 0.0;
+  double bulge = 0.0;  ///< signed: which side
+};
+using RoundFunction = void (*)(const RoundTask& task, const double* rows, std::size_t count, double* xs);
+
 /// sums[i] = polynomial of degree 4 at `place`, coefficients[power * count + i].
 using BlendFunction = void (*)(const double* coefficients, std::size_t count, double place, double* sums);
 
@@ -26,6 +37,7 @@ using BlendFunction = void (*)(const double* coefficients, std::size_t count, do
 struct DepthKernel {
   DepthFunction solve = nullptr;
   BlendFunction blend = nullptr;
+  RoundFunction round = nullptr;
   const char* level = "";
 };
 

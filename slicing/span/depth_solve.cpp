@@ -47,6 +47,18 @@ std::size_t LAMELLA_NAME(solve, LAMELLA_LEVEL)(const DepthTask& task, const doub
                                                double residual, double* xs);
 void LAMELLA_NAME(blend, LAMELLA_LEVEL)(const double* coefficients, std::size_t count, double place, double* sums);
 
+void LAMELLA_NAME(round, LAMELLA_LEVEL)(const RoundTask& task, const double* rows, std::size_t count, double* xs);
+
+void LAMELLA_NAME(round, LAMELLA_LEVEL)(const RoundTask& task, const double* rows, std::size_t count, double* xs) {
+  const RoundTask t = task;
+  const double per_reach = t.reach > 0.0 ? 1.0 / t.reach : 0.0;
+  double* __restrict out = xs;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double w = clamp((rows[i] - t.center_y) * per_reach, -1.0, 1.0);
+    out[i] = t.center_x + t.slant * w + t.bulge * __builtin_sqrt((1.0 - w) * (1.0 + w));
+  }
+}
+
 void LAMELLA_NAME(blend, LAMELLA_LEVEL)(const double* coefficients, std::size_t count, double place, double* sums) {
   const double* __restrict c0 = coefficients;
   const double* __restrict c1 = c0 + count;

@@ -7,6 +7,7 @@
 #include "model/evaluate.h"
 #include "model/iso_line.h"
 #include "model/trim_chain.h"
+#include "slicing/span/round_section.h"
 
 namespace lamella::span {
 
@@ -63,7 +64,7 @@ class Builder {
     for (const LoopId loop : face_.loops) add_loop(loop);
     if (model_.uses.empty() && heights_.empty()) return;
     if (model_.kind == SectionKind::traced) add_critical_points();
-    if (model_.kind == SectionKind::sphere) add_sphere_ends();
+    if (model_.kind == SectionKind::round) add_round_ends();
     finish_events();
   }
 
@@ -72,6 +73,7 @@ class Builder {
     LoopShape shape;
     Vec2 end;
     Vec2 last_sample;
+    Vec2 first_begin = Vec2::Zero();
     bool is_first = true;
     const auto number = static_cast<std::uint32_t>(shapes_.size());
     for (const HalfEdgeId id : scene_.loops[loop].half_edges) {
@@ -85,7 +87,7 @@ class Builder {
       for (int i = 0; i <= kLoopSamples; ++i) {
         const double part = static_cast<double>(i) / kLoopSamples;
         const Vec2 uv = pcurve_point(half, half.forward ? part : 1.0 - part) + offset;
-        if (is_first && i == 0) shape.rightmost = last_sample = uv;
+        if (is_first && i == 0) shape.rightmost = last_sample = first_begin = uv;
         shape.area += 0.5 * (last_sample[0] * uv[1] - last_sample[1] * uv[0]);
         if (uv[0] > shape.rightmost[0]) shape.rightmost = uv;
         shape.box.extend(uv);
@@ -96,6 +98,7 @@ class Builder {
       add_uses(id, offset, number);
     }
     if (is_first) return;
+    has_ring_ = has_ring_ || !whole_periods(first_begin, end, model_.surface.periods()).isZero(0.0);
     if (!face_.same_sense) shape.area = -shape.area;
     shapes_.push_back(shape);
   }
@@ -162,14 +165,18 @@ class Builder {
     model_.cuts.push_back(std::move(cut));
   }
 
-  void add_sphere_ends() {
-    const auto& sphere = std::get<Sphere>(face_.surface);
-    model_.region.emplace(scene_, model_.id);
+  void add_round_ends() {
+    const auto* sphere = std::get_if<Sphere>(&face_.surface);
+    const auto* torus = std::get_if<Torus>(&face_.surface);
+    // Without a seam a whole ellipse may touch no edge.
+    if (sphere != nullptr || has_ring_) model_.region.emplace(scene_, model_.id);
+    if (torus != nullptr) {
+      for (const double side : {-1.0, 1.0}) heights_.push_back(torus->frame.origin.z() + side * torus->minor_radius);
+    }
+    if (sphere == nullptr) return;
     for (const double side : {-1.0, 1.0}) {
-      const double z = sphere.frame.origin.z() + side * sphere.radius;
-      const Vec3 up(sphere.frame.x.z(), sphere.frame.y.z(), sphere.frame.z.z());
-      const Vec3 local = side * up;
-      const Vec2 pole(std::atan2(local.y(), local.x()), std::asin(std::clamp(local.z(), -1.0, 1.0)));
+      const double z = sphere->frame.origin.z() + side * sphere->radius;
+      const Vec2 pole = round_parameters(face_.surface, z, false, 0.0);
       if (model_.region->classify(pole, Vec2::Constant(1e-9)) != TrimRegion::Side::outside) heights_.push_back(z);
     }
   }
@@ -197,11 +204,12 @@ class Builder {
   std::vector<double> heights_;
   std::vector<double> cut_heights_;
   Box3 box_;
+  bool has_ring_ = false;  ///< a loop runs once round the surface: the face has no seam
 };
 
 SectionKind kind_of(const Surface& surface) {
   if (std::holds_alternative<Plane>(surface)) return SectionKind::plane;
-  if (std::holds_alternative<Sphere>(surface)) return SectionKind::sphere;
+  if (has_round_sections(surface)) return SectionKind::round;
   return SectionKind::traced;
 }
 

@@ -50,7 +50,8 @@ struct CutLine {
   std::vector<MonotonePiece> pieces;
 };
 
-enum class SectionKind { plane, sphere, traced };
+/// How a face is cut: by straight lines, by ellipses, or by tracing.
+enum class SectionKind { plane, round, traced };
 
 /// Everything about one face that doesn't depend on the layer.
 struct FaceModel {
@@ -65,9 +66,8 @@ struct FaceModel {
   std::vector<PieceUse> uses;   ///< loop by loop in their order
   std::vector<double> events;   ///< ascending heights between which the topology of the section doesn't change
   std::vector<CutLine> cuts;
-  std::optional<TrimRegion> region;  ///< only where there are cuts, or a sphere
+  std::optional<TrimRegion> region;  ///< only where a section may touch no edge
   bool complete = true;              ///< false when the search for critical heights hit its limit
-  std::uint32_t fitted = 0;
 
   /// Index of the half-open band [events[i], events[i + 1]) that holds z, nothing if the face isn't there.
   [[nodiscard]] std::optional<std::size_t> band_of(double z) const;

@@ -6,13 +6,16 @@
 #include <limits>
 #include <tuple>
 
+#include "model/evaluate.h"
 #include "slicing/span/face_section.h"
 
 namespace lamella::span {
 
 void FaceSection::enter_band(std::size_t band, double layer_z, NodeTable& nodes, SectionCounters& counters) {
   band_ = band;
-  const double z = 0.5 * (face_->events[band] + face_->events[band + 1]);
+  const double middle = 0.5 * (face_->events[band] + face_->events[band + 1]);
+  // Between neighbouring doubles the middle may round to the upper one, which the band doesn't hold.
+  const double z = middle < face_->events[band + 1] ? middle : face_->events[band];
   if (face_->kind != SectionKind::traced) families_.clear();
   starts_.clear();
   ends_.clear();
@@ -25,8 +28,8 @@ void FaceSection::enter_band(std::size_t band, double layer_z, NodeTable& nodes,
     case SectionKind::plane:
       pair_plane(z, nodes);
       break;
-    case SectionKind::sphere:
-      pair_sphere(z, nodes);
+    case SectionKind::round:
+      pair_round(z, nodes);
       break;
     case SectionKind::traced:
       is_paired_.assign(face_->uses.size(), 0);
@@ -60,19 +63,29 @@ void FaceSection::pair_plane(double z, const NodeTable& nodes) {
   }
 }
 
-void FaceSection::pair_sphere(double z, const NodeTable& nodes) {
+void FaceSection::pair_round(double z, const NodeTable& nodes) {
   struct Candidate {
     double sweep;
+    double offset;  ///< whole turns that the sweep holds beyond the difference of the charts
     std::uint32_t begin;
     std::uint32_t end;
   };
+  const bool is_sphere = std::holds_alternative<Sphere>(face_->surface.surface());
   std::vector<Candidate> candidates;
   for (const std::uint32_t begin : starts_) {
-    const Vec2 from = nodes.node_at(face_->uses[begin].piece, z).xy;
+    const Node from = nodes.node_at(face_->uses[begin].piece, z);
+    const bool inner = is_inner(face_->uses[begin], from);
     for (const std::uint32_t end : ends_) {
-      const double sweep = sweep_between(from, nodes.node_at(face_->uses[end].piece, z).xy);
-      // The twins of a seam: the arc that ends there has gone all the way round.
-      candidates.push_back({sweep < 1e-12 ? kTwoPi : sweep, begin, end});
+      const Node to = nodes.node_at(face_->uses[end].piece, z);
+      if (is_inner(face_->uses[end], to) != inner) continue;
+      Family family = round_family(z, inner);
+      family.begin = begin;
+      family.end = end;
+      const double raw = sweep_between(family, z, from, to);
+      // An arc that ends where it begins has gone all the way round: the twins of a seam.
+      double sweep = raw - kTwoPi * std::floor(raw / kTwoPi);
+      if (sweep < 1e-12) sweep = kTwoPi;
+      candidates.push_back({sweep, sweep - raw, begin, end});
     }
   }
   std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
@@ -82,29 +95,47 @@ void FaceSection::pair_sphere(double z, const NodeTable& nodes) {
   for (const Candidate& candidate : candidates) {
     if (is_paired_[candidate.begin] != 0 || is_paired_[candidate.end] != 0) continue;
     is_paired_[candidate.begin] = is_paired_[candidate.end] = 1;
-    Family family;
+    const PieceUse& use = face_->uses[candidate.begin];
+    Family family = round_family(z, is_inner(use, nodes.node_at(use.piece, z)));
     family.begin = candidate.begin;
     family.end = candidate.end;
-    family.sweep = candidate.sweep;
-    family.z = z;
+    family.sweep = is_sphere ? candidate.sweep : kTwoPi * std::round(candidate.offset / kTwoPi);
     families_.push_back(family);
   }
-  if (starts_.empty() && is_whole_circle(z)) {
-    Family family;
-    family.cut = 0;
-    families_.push_back(family);
+  if (!starts_.empty() || !face_->region) return;
+  const bool is_torus = std::holds_alternative<Torus>(face_->surface.surface());
+  for (const bool inner : {false, true}) {
+    if ((inner && !is_torus) || !is_whole_ellipse(z, inner)) continue;
+    families_.push_back(round_family(z, inner));
+    families_.back().cut = 0;
   }
 }
 
-bool FaceSection::is_whole_circle(double z) const {
-  const auto& sphere = std::get<Sphere>(face_->surface.surface());
-  const double height = z - sphere.frame.origin.z();
-  const double square = sphere.radius * sphere.radius - height * height;
-  if (!(square > 0.0)) return false;
-  const Vec3 arm(std::sqrt(square), 0.0, height);
-  const Vec3 local = Vec3(arm.dot(sphere.frame.x), arm.dot(sphere.frame.y), arm.dot(sphere.frame.z)) / sphere.radius;
-  const Vec2 uv(std::atan2(local.y(), local.x()), std::asin(std::clamp(local.z(), -1.0, 1.0)));
-  return face_->region->classify(uv) == TrimRegion::Side::inside;
+FaceSection::Family FaceSection::round_family(double z, bool inner) const {
+  Family family;
+  family.inner = inner;
+  family.z = z;
+  family.turn = run_of(z, inner);
+  return family;
+}
+
+double FaceSection::run_of(double z, bool inner) const {
+  const Surface& surface = face_->surface.surface();
+  const PlaneEllipse ellipse = round_section(surface, z, inner);
+  const Vec2 uv = round_parameters(surface, z, inner, 0.0);
+  const Vec3 normal = face_->sign * evaluate(surface, uv).normal();
+  // z x n against the way that the angle runs at 0.
+  return Vec2(-normal.y(), normal.x()).dot(ellipse.sine) < 0.0 ? -1.0 : 1.0;
+}
+
+bool FaceSection::is_inner(const PieceUse& use, const Node& node) const {
+  return std::holds_alternative<Torus>(face_->surface.surface()) && std::cos(chart_point(use, node)[1]) < 0.0;
+}
+
+bool FaceSection::is_whole_ellipse(double z, bool inner) const {
+  const PlaneEllipse ellipse = round_section(face_->surface.surface(), z, inner);
+  if (!(ellipse.cosine.norm() > 0.0)) return false;
+  return face_->region->classify(round_parameters(face_->surface.surface(), z, inner, 0.0)) == TrimRegion::Side::inside;
 }
 
 void FaceSection::carry_families(double z, NodeTable& nodes, SectionCounters& counters) {
@@ -248,26 +279,35 @@ void FaceSection::find_roots(double z) {
 }
 
 void FaceSection::visit_roots(const TracedArc& arc) {
+  for (CutRoot& root : roots_) {
+    for (std::size_t i = 0; i + 1 < arc.points.size() && !root.visited; ++i) {
+      root.visited = meets_cut(arc.points[i], arc.points[i + 1], Vec2(root.u, face_->cuts[root.cut].v));
+    }
+  }
+}
+
+bool FaceSection::meets_cut(const SectionPoint& a, const SectionPoint& b, const Vec2& at) const {
   const Vec2& periods = face_->surface.periods();
   const auto wrapped = [](double difference, double period) {
     return period > 0.0 ? difference - period * std::round(difference / period) : difference;
   };
-  for (CutRoot& root : roots_) {
-    if (root.visited) continue;
-    const double v = face_->cuts[root.cut].v;
-    for (std::size_t i = 0; i + 1 < arc.points.size(); ++i) {
-      const Vec2& a = arc.points[i].uv;
-      const Vec2& b = arc.points[i + 1].uv;
-      const double above_a = wrapped(a[1] - v, periods[1]);
-      const double above_b = above_a + (b[1] - a[1]);
-      if ((above_a <= 0.0) == (above_b <= 0.0)) continue;
-      const double u = a[0] + (b[0] - a[0]) * above_a / (above_a - above_b);
-      const double slack = 0.5 * std::abs(b[0] - a[0]) + 0.05 * std::abs(b[1] - a[1]);
-      if (std::abs(wrapped(u - root.u, periods[0])) > slack) continue;
-      root.visited = true;
-      break;
-    }
+  const double above_a = wrapped(a.uv[1] - at[1], periods[1]);
+  const double above_b = above_a + (b.uv[1] - a.uv[1]);
+  if ((above_a <= 0.0) == (above_b <= 0.0)) return false;
+  const double reach = 2.0 * (std::abs(b.uv[0] - a.uv[0]) + std::abs(b.uv[1] - a.uv[1]));
+  if (std::abs(wrapped(a.uv[0] - at[0], periods[0])) > reach) return false;
+  ArcPiece piece, uv;
+  if (!join_points(a, b, piece, uv)) return false;
+  // Where the piece crosses the line, by bisection: v(t) changes sign over it.
+  double lo = 0.0;
+  double hi = 1.0;
+  for (int i = 0; i < 40; ++i) {
+    const double middle = 0.5 * (lo + hi);
+    const double above = above_a + (uv.at(middle)[1] - a.uv[1]);
+    ((above <= 0.0) == (above_a <= 0.0) ? lo : hi) = middle;
   }
+  const double aside = std::abs(wrapped(uv.at(lo)[0] - at[0], periods[0]));
+  return aside <= 1e-4 * reach;
 }
 
 void FaceSection::find_loops(double z) {

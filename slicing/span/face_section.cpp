@@ -13,38 +13,6 @@ namespace {
 /// A layer this near to a change of topology is cut this far inside its band: there the section may be singular.
 constexpr double kEventMargin = 1e-8;  // mm
 
-constexpr double kLongestCircleStep = 0.6;  // radians
-
-/// Piece of a circle from angle a over `sweep`: the quintic with its positions, tangents and curvatures.
-ArcPiece circle_piece(const Vec2& center, double radius, double a, double sweep) {
-  const Vec2 from(std::cos(a), std::sin(a));
-  const Vec2 to(std::cos(a + sweep), std::sin(a + sweep));
-  ArcPiece piece;
-  for (int axis = 0; axis < 2; ++axis) {
-    const double side = axis == 0 ? -1.0 : 1.0;
-    const double p = radius * from[axis];
-    const double d = side * radius * sweep * from[1 - axis];
-    const double h = -0.5 * sweep * sweep * p;
-    const double q = radius * to[axis];
-    const double rest = q - p - d - h;
-    const double slope_rest = side * radius * sweep * to[1 - axis] - d - 2.0 * h;
-    const double bend_rest = -sweep * sweep * q - 2.0 * h;
-    (axis == 0 ? piece.x : piece.y) = {center[axis] + p,
-                                       d,
-                                       h,
-                                       10.0 * rest - 4.0 * slope_rest + 0.5 * bend_rest,
-                                       -15.0 * rest + 7.0 * slope_rest - bend_rest,
-                                       6.0 * rest - 3.0 * slope_rest + 0.5 * bend_rest};
-  }
-  return piece;
-}
-
-/// Step at which a circle's quintics keep to the tolerance: their error is r sweep^6 / 46080 (Hermite's remainder at
-/// the middle, 1/6! of the sixth derivative times (sweep/2)^6).
-double circle_step(double radius, double tolerance) {
-  return std::min(kLongestCircleStep, std::pow(46080.0 * tolerance / radius, 1.0 / 6.0));
-}
-
 }  // namespace
 
 SectionCounters& SectionCounters::operator+=(const SectionCounters& other) {
@@ -107,8 +75,8 @@ void FaceSection::cut(std::size_t layer, NodeTable& nodes, Section& out, Section
     case SectionKind::plane:
       cut_plane(z, nodes, out);
       break;
-    case SectionKind::sphere:
-      cut_sphere(z, nodes, out);
+    case SectionKind::round:
+      cut_round(z, nodes, out);
       break;
     case SectionKind::traced:
       cut_traced(z, nodes, out, counters);
@@ -140,68 +108,78 @@ void FaceSection::cut_plane(double z, NodeTable& nodes, Section& out) const {
   }
 }
 
-void FaceSection::cut_sphere(double z, NodeTable& nodes, Section& out) {
-  const auto& sphere = std::get<Sphere>(face_->surface.surface());
-  const Vec2 center = sphere.frame.origin.head<2>();
-  const double height = z - sphere.frame.origin.z();
-  const double radius = std::sqrt(std::max(0.0, sphere.radius * sphere.radius - height * height));
-  const double turn = sphere_turn();
+void FaceSection::cut_round(double z, NodeTable& nodes, Section& out) {
   for (Family& family : families_) {
     const bool is_loop = family.cut >= 0;
-    const Vec2 begin = is_loop ? Vec2(center + Vec2(radius, 0.0)) : nodes.node(face_->uses[family.begin].piece).xy;
-    const Vec2 end = is_loop ? begin : nodes.node(face_->uses[family.end].piece).xy;
-    const double sweep = is_loop ? kTwoPi : follow_sweep(family, z, nodes);
-    const int count = std::max(1, static_cast<int>(std::ceil(std::abs(sweep) / circle_step(radius, limits_.tolerance))));
-    SectionArc arc{face_->id, begin, end, static_cast<std::uint32_t>(out.pieces.size()),
-                   static_cast<std::uint32_t>(count)};
-    const double angle = angle_of(begin);
-    for (int i = 0; i < count; ++i) {
-      out.pieces.push_back(circle_piece(center, radius, angle + turn * sweep * i / count, turn * sweep / count));
+    EllipseArc arc{round_section(face_->surface.surface(), z, family.inner)};
+    SectionArc section_arc{face_->id, {}, {}, static_cast<std::uint32_t>(out.pieces.size())};
+    if (is_loop) {
+      arc.sweep = family.turn * kTwoPi;
+      section_arc.begin = section_arc.end = arc.ellipse.at(0.0);
+    } else {
+      section_arc.begin = nodes.node(face_->uses[family.begin].piece).xy;
+      section_arc.end = nodes.node(face_->uses[family.end].piece).xy;
+      arc.begin = arc.ellipse.angle_of(section_arc.begin);
+      arc.sweep = family.turn * follow_sweep(family, z, nodes);
     }
-    out.arcs.push_back(arc);
+    if (limits_.ellipses) {
+      section_arc.ellipse = static_cast<std::int32_t>(out.ellipses.size());
+      out.ellipses.push_back(arc);
+    } else {
+      append_pieces(arc, limits_.tolerance, out.pieces);
+      section_arc.piece_count = static_cast<std::uint32_t>(out.pieces.size()) - section_arc.first_piece;
+    }
+    out.arcs.push_back(section_arc);
   }
 }
 
-double FaceSection::angle_of(const Vec2& xy) const {
-  const Vec2 arm = xy - std::get<Sphere>(face_->surface.surface()).frame.origin.head<2>();
-  return std::atan2(arm.y(), arm.x());
+double FaceSection::chart_angle(const PieceUse& use, const Node& node, const PlaneEllipse& ellipse) const {
+  const double angle = ellipse.angle_of(node.xy);
+  if (std::holds_alternative<Sphere>(face_->surface.surface())) return angle;
+  const double chart = chart_point(use, node)[0];
+  return angle + kTwoPi * std::round((chart - angle) / kTwoPi);
 }
 
-double FaceSection::sphere_turn() const {
-  const Frame& frame = std::get<Sphere>(face_->surface.surface()).frame;
-  return face_->sign * (frame.x.cross(frame.y).dot(frame.z) > 0.0 ? 1.0 : -1.0);
+double FaceSection::sweep_between(const Family& family, double z, const Node& begin, const Node& end) const {
+  const PlaneEllipse ellipse = round_section(face_->surface.surface(), z, family.inner);
+  return family.turn * (chart_angle(face_->uses[family.end], end, ellipse) -
+                        chart_angle(face_->uses[family.begin], begin, ellipse));
 }
 
-double FaceSection::sweep_between(const Vec2& begin, const Vec2& end) const {
-  double sweep = sphere_turn() * (angle_of(end) - angle_of(begin));
-  sweep -= kTwoPi * std::floor(sweep / kTwoPi);
-  return sweep;
-}
-
-double FaceSection::follow_sweep(Family& family, double z, const NodeTable& nodes) const {
-  const double band = face_->events[*band_ + 1] - face_->events[*band_];
-  const int steps = std::clamp(static_cast<int>(std::ceil(16.0 * std::abs(z - family.z) / band)), 1, 16);
-  const double from = family.z;
-  for (int i = 1; i <= steps; ++i) {
-    const double here = i == steps ? z : from + (z - from) * i / steps;
-    const Vec2 begin = nodes.node_at(face_->uses[family.begin].piece, here).xy;
-    const Vec2 end = nodes.node_at(face_->uses[family.end].piece, here).xy;
-    const double raw = sweep_between(begin, end);
-    // Continuous in z: the turn that is nearest to the last one.
-    family.sweep = raw + kTwoPi * std::round((family.sweep - raw) / kTwoPi);
+double FaceSection::follow_sweep(Family& family, double z, NodeTable& nodes) const {
+  const std::uint32_t begin = face_->uses[family.begin].piece;
+  const std::uint32_t end = face_->uses[family.end].piece;
+  const auto turned = [&](double raw) { return raw + kTwoPi * std::round((family.sweep - raw) / kTwoPi); };
+  if (std::holds_alternative<Sphere>(face_->surface.surface())) {
+    // Angles about a sphere know no chart: the sweep is followed, continuous in z, from where it was known.
+    const double band = face_->events[*band_ + 1] - face_->events[*band_];
+    const int steps = std::clamp(static_cast<int>(std::ceil(16.0 * std::abs(z - family.z) / band)), 1, 16);
+    const double from = family.z;
+    for (int i = 1; i < steps; ++i) {
+      const double here = from + (z - from) * i / steps;
+      family.sweep = turned(sweep_between(family, here, nodes.node_at(begin, here), nodes.node_at(end, here)));
+    }
+    family.z = z;
+    family.sweep = turned(sweep_between(family, z, nodes.node(begin), nodes.node(end)));
+    return family.sweep;
   }
-  family.z = z;
-  return family.sweep;
+  return sweep_between(family, z, nodes.node(begin), nodes.node(end)) + family.sweep;
+}
+
+Vec2 FaceSection::chart_point(const PieceUse& use, const Node& node) const {
+  const HalfEdge& half = scene_->half_edges[use.half_edge];
+  const Edge& edge = scene_->edges[half.edge];
+  const double part = (node.t - edge.range.lo) / edge.range.length();
+  return evaluate<2>(half.pcurve, half.prange.lo + part * half.prange.length()).point + use.offset;
 }
 
 FaceSection::FacePoint FaceSection::face_point(const PieceUse& use, const Node& node, double z) const {
   const HalfEdge& half = scene_->half_edges[use.half_edge];
   const Edge& edge = scene_->edges[half.edge];
-  const double part = (node.t - edge.range.lo) / edge.range.length();
   FacePoint result;
   result.node = node.xy;
   result.tolerance = std::max(edge.tolerance, 1e-7);
-  const Vec2 uv = evaluate<2>(half.pcurve, half.prange.lo + part * half.prange.length()).point + use.offset;
+  const Vec2 uv = chart_point(use, node);
   result.chart = uv;
   const CorrectLimits limits{limits_.height, std::max(20.0 * result.tolerance, 1e-3 * face_->size)};
   Cell cell = face_->surface.find_cell(uv, Vec2::Zero());
@@ -238,11 +216,20 @@ FaceSection::FacePoint FaceSection::cut_point(const Family& family, double z) co
   return result;
 }
 
+bool FaceSection::lie_together(const FacePoint& begin, const FacePoint& end) const {
+  // The twins of a seam lie together in space but a period, or the length of a closed spline, apart in the chart.
+  const Vec2 step = (end.chart - begin.chart).cwiseAbs();
+  for (int axis = 0; axis < 2; ++axis) {
+    if (step[axis] > 0.25 * face_->surface.extent(axis)) return false;
+  }
+  return true;
+}
+
 bool FaceSection::are_joined(const FacePoint& begin, const FacePoint& end) const {
   const Vec2 step = end.point.xy - begin.point.xy;
   const double distance = step.norm();
   if (distance > 2.0 * std::max(begin.tolerance, end.tolerance)) return false;
-  // The twins of a seam lie together in space but not in the chart.
+  if (!lie_together(begin, end)) return false;
   if (length_of(begin.point, end.chart - begin.chart) > 10.0 * distance + 1e-6) return false;
   return distance <= 1e-7 || step.dot(begin.point.tangent) <= 0.0;
 }
@@ -253,14 +240,13 @@ bool FaceSection::cut_by_sheet(const Family& family, double inner, NodeTable& no
   const auto count = static_cast<std::uint32_t>(family.sheet.piece_count());
   out.pieces.resize(first + count);
   family.sheet.evaluate(inner, out.pieces.data() + first);
-  SectionArc arc{face_->id, {}, {}, first, count};
   if (family.cut >= 0) {
-    arc.begin = arc.end = out.pieces[first].at(0.0);
+    const Vec2 seed = out.pieces[first].at(0.0);
+    append_range(seed, seed, first, out);
   } else {
-    arc.begin = nodes.node(face_->uses[family.begin].piece).xy;
-    arc.end = nodes.node(face_->uses[family.end].piece).xy;
+    append_range(nodes.node(face_->uses[family.begin].piece).xy, nodes.node(face_->uses[family.end].piece).xy, first,
+                 out);
   }
-  out.arcs.push_back(arc);
   return true;
 }
 
@@ -421,9 +407,20 @@ void FaceSection::cut_loop(Family& family, double z, Section& out, SectionCounte
 }
 
 void FaceSection::append(const Vec2& begin, const Vec2& end, const std::vector<ArcPiece>& pieces, Section& out) const {
-  out.arcs.push_back(
-      {face_->id, begin, end, static_cast<std::uint32_t>(out.pieces.size()), static_cast<std::uint32_t>(pieces.size())});
+  const auto first = static_cast<std::uint32_t>(out.pieces.size());
   out.pieces.insert(out.pieces.end(), pieces.begin(), pieces.end());
+  append_range(begin, end, first, out);
+}
+
+void FaceSection::append_range(Vec2 begin, Vec2 end, std::uint32_t first, Section& out) const {
+  const auto last = static_cast<std::uint32_t>(out.pieces.size());
+  const Vec2 from = out.pieces[first].at(0.0);
+  const Vec2 to = out.pieces[last - 1].at(1.0);
+  const bool leads_in = (from - begin).squaredNorm() > limits_.tolerance * limits_.tolerance;
+  const bool leads_out = (to - end).squaredNorm() > limits_.tolerance * limits_.tolerance;
+  if (leads_in) append_chord(begin, from, begin, from, false, out);
+  if (leads_out) append_chord(to, end, to, end, false, out);
+  out.arcs.push_back({face_->id, leads_in ? from : begin, leads_out ? to : end, first, last - first});
 }
 
 void FaceSection::append_chord(const Vec2& begin, const Vec2& end, const Vec2& from, const Vec2& to, bool doubtful,

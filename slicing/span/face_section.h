@@ -60,7 +60,9 @@ class FaceSection {
     CarriedArc carried;  ///< what the last layer left
     Sheet sheet;
     std::size_t next_sheet = 0;  ///< layer from which another sheet may be tried
-    double sweep = 0.0;  ///< circles: angle at `z`, positive
+    bool inner = false;   ///< ellipses: the inner circle of a torus
+    double turn = 1.0;    ///< ellipses: the sense in which the angle runs
+    double sweep = 0.0;   ///< ellipses: angle at `z`, positive
     double z = 0.0;
   };
   /// One end of an arc on this face.
@@ -74,7 +76,7 @@ class FaceSection {
 
   void enter_band(std::size_t band, double z, NodeTable& nodes, SectionCounters& counters);
   void pair_plane(double z, const NodeTable& nodes);
-  void pair_sphere(double z, const NodeTable& nodes);
+  void pair_round(double z, const NodeTable& nodes);
   void pair_traced(double z, const NodeTable& nodes);
   void join(std::uint32_t begin, std::uint32_t end);
   void pair_neighbors();
@@ -82,34 +84,42 @@ class FaceSection {
   void pair_rest();
   void find_roots(double z);
   void visit_roots(const TracedArc& arc);
+  [[nodiscard]] bool meets_cut(const SectionPoint& a, const SectionPoint& b, const Vec2& at) const;
   void find_loops(double z);
 
   void cut_plane(double z, NodeTable& nodes, Section& out) const;
-  void cut_sphere(double z, NodeTable& nodes, Section& out);
+  void cut_round(double z, NodeTable& nodes, Section& out);
   void cut_traced(double z, NodeTable& nodes, Section& out, SectionCounters& counters);
   void carry_families(double z, NodeTable& nodes, SectionCounters& counters);
   void drop_pierced_families(double inner, NodeTable& nodes);
   [[nodiscard]] static bool passes_near(const TracedArc& arc, const Vec2& xy);
   void cut_arc(Family& family, const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters);
   [[nodiscard]] FacePoint layer_point(std::uint32_t use, double z, double inner, NodeTable& nodes) const;
-  /// An arc that can't be followed from end to end: both ways as far as they come nearest, and a chord between.
   bool cut_by_sheet(const Family& family, double inner, NodeTable& nodes, Section& out) const;
   void try_sheet(Family& family, double inner, const NodeTable& nodes, SectionCounters& counters);
+  /// An arc that can't be followed from end to end: both ways as far as they come nearest, and a chord between.
   void bridge(const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters);
   /// Distance of the face from the middle of the chord between two of its points, mm.
   [[nodiscard]] double height_off(const SectionPoint& a, const SectionPoint& b) const;
   void cut_loop(Family& family, double z, Section& out, SectionCounters& counters);
 
   [[nodiscard]] double inner_height(double z) const;
+  /// (u, v) of a node in the face's chart, by the pcurve.
+  [[nodiscard]] Vec2 chart_point(const PieceUse& use, const Node& node) const;
   [[nodiscard]] FacePoint face_point(const PieceUse& use, const Node& node, double z) const;
   [[nodiscard]] FacePoint cut_point(const Family& family, double z) const;
+  [[nodiscard]] bool lie_together(const FacePoint& begin, const FacePoint& end) const;
   [[nodiscard]] bool are_joined(const FacePoint& begin, const FacePoint& end) const;
-  [[nodiscard]] double angle_of(const Vec2& xy) const;
-  [[nodiscard]] double sphere_turn() const;
-  [[nodiscard]] bool is_whole_circle(double z) const;
-  [[nodiscard]] double sweep_between(const Vec2& begin, const Vec2& end) const;
-  double follow_sweep(Family& family, double z, const NodeTable& nodes) const;
+  [[nodiscard]] bool is_whole_ellipse(double z, bool inner) const;
+  [[nodiscard]] double chart_angle(const PieceUse& use, const Node& node, const PlaneEllipse& ellipse) const;
+  [[nodiscard]] double sweep_between(const Family& family, double z, const Node& begin, const Node& end) const;
+  [[nodiscard]] Family round_family(double z, bool inner) const;
+  [[nodiscard]] double run_of(double z, bool inner) const;
+  [[nodiscard]] bool is_inner(const PieceUse& use, const Node& node) const;
+  double follow_sweep(Family& family, double z, NodeTable& nodes) const;
+  /// Appends an arc between two stored nodes; where its own ends lie off them, straight arcs lead there.
   void append(const Vec2& begin, const Vec2& end, const std::vector<ArcPiece>& pieces, Section& out) const;
+  void append_range(Vec2 begin, Vec2 end, std::uint32_t first, Section& out) const;
   void append_chord(const Vec2& begin, const Vec2& end, const Vec2& from, const Vec2& to, bool doubtful,
                     Section& out) const;
 

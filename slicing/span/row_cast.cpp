@@ -6,7 +6,6 @@
 #include <tuple>
 
 #include "model/bernstein_roots.h"
-#include "slicing/span/depth_kernel.h"
 
 namespace lamella::span {
 
@@ -21,9 +20,50 @@ std::array<double, 5> slope_net(const std::array<double, 6>& y) {
   return {a, a + b / 4.0, a + b / 2.0 + c / 6.0, a + 0.75 * b + c / 2.0 + d / 4.0, a + b + c + d + e};
 }
 
-bool keeps_sign(const std::array<double, 5>& net) {
-  const auto [lowest, highest] = std::minmax_element(net.begin(), net.end());
-  return *lowest >= 0.0 || *highest <= 0.0;
+/// Sign changes in a row of Bernstein coefficients: no fewer than the polynomial has roots in (0, 1), and as many if
+/// there is none or one (Descartes' rule).
+int sign_changes(const std::array<double, 5>& net) {
+  int changes = 0;
+  double last = 0.0;
+  for (const double value : net) {
+    if (value == 0.0) continue;
+    if (value * last < 0.0) ++changes;
+    last = value;
+  }
+  return changes;
+}
+
+/// The one root of y'(t) in (0, 1).
+double single_turn(const std::array<double, 6>& y, double at_begin) {
+  double lo = 0.0;
+  double hi = 1.0;
+  double t = 0.5;
+  for (int i = 0; i < 60 && hi - lo > 1e-16; ++i) {
+    const double slope = y[1] + t * (2.0 * y[2] + t * (3.0 * y[3] + t * (4.0 * y[4] + t * 5.0 * y[5])));
+    const double bend = 2.0 * y[2] + t * (6.0 * y[3] + t * (12.0 * y[4] + t * 20.0 * y[5]));
+    (slope * at_begin > 0.0 ? lo : hi) = t;
+    double next = t - slope / bend;
+    if (!(next > lo && next < hi)) next = 0.5 * (lo + hi);
+    if (std::abs(next - t) < 1e-15) return next;
+    t = next;
+  }
+  return t;
+}
+
+/// Parameters in (0, 1) where y turns, ascending.
+std::size_t find_turns(const std::array<double, 6>& y, std::array<double, 4>& turns) {
+  const std::array<double, 5> net = slope_net(y);
+  const int changes = sign_changes(net);
+  if (changes == 0) return 0;
+  if (changes == 1) {
+    const double begin = *std::find_if(net.begin(), net.end(), [](double value) { return value != 0.0; });
+    turns[0] = single_turn(y, begin);
+    return 1;
+  }
+  const std::vector<double> roots = bernstein_roots(net, 0.0);
+  const std::size_t count = std::min(roots.size(), turns.size());
+  std::copy_n(roots.begin(), count, turns.begin());
+  return count;
 }
 
 double value_at(const std::array<double, 6>& c, double t) {
@@ -94,16 +134,13 @@ void RowCast::collect_arc(const SectionArc& arc, std::uint32_t index, const RowL
     const ArcPiece& piece = pieces_[number];
     const bool is_last = i + 1 == arc.piece_count;
     double t = 0.0;
-    if (!arc.straight) {
-      const std::array<double, 5> net = slope_net(piece.y);
-      if (!keeps_sign(net)) {
-        for (const double turn : bernstein_roots(net, 0.0)) {
-          const double y_turn = value_at(piece.y, turn);
-          add_stretch(index, number, y, y_turn, t, turn);
-          y = y_turn;
-          t = turn;
-        }
-      }
+    std::array<double, 4> turns;
+    const std::size_t turn_count = arc.straight ? 0 : find_turns(piece.y, turns);
+    for (std::size_t k = 0; k < turn_count; ++k) {
+      const double y_turn = value_at(piece.y, turns[k]);
+      add_stretch(index, number, y, y_turn, t, turns[k]);
+      y = y_turn;
+      t = turns[k];
     }
     const double y_end = is_last ? y_last : value_at(piece.y, 1.0);
     add_stretch(index, number, y, y_end, t, 1.0);
@@ -111,12 +148,57 @@ void RowCast::collect_arc(const SectionArc& arc, std::uint32_t index, const RowL
   }
 }
 
+void RowCast::collect_ellipse(const SectionArc& arc, const EllipseArc& part, std::uint32_t index,
+                              const RowLattice& lattice) {
+  const PlaneEllipse& ellipse = part.ellipse;
+  const double cos_y = lattice.across.dot(ellipse.cosine);
+  const double sin_y = lattice.across.dot(ellipse.sine);
+  const double cos_x = lattice.along.dot(ellipse.cosine);
+  const double sin_x = lattice.along.dot(ellipse.sine);
+  // With a the angle from the turn at the top: y = center + reach cos a, x = center + slant cos a + bulge sin a.
+  RoundTask task;
+  task.center_x = lattice.along.dot(ellipse.center);
+  task.center_y = lattice.across.dot(ellipse.center);
+  task.reach = std::hypot(cos_y, sin_y);
+  if (task.reach > 0.0) {
+    task.slant = (cos_x * cos_y + sin_x * sin_y) / task.reach;
+    task.bulge = (sin_x * cos_y - cos_x * sin_y) / task.reach;
+  }
+  double a = part.begin - std::atan2(sin_y, cos_y);
+  a -= kTwoPi * std::floor(a / kTwoPi);
+  const double last = a + part.sweep;
+  const bool forward = part.sweep > 0.0;
+  double y = lattice.across.dot(arc.begin);
+  const double bulge = task.bulge;
+  for (double half = forward ? std::floor(a / kPi) : std::ceil(a / kPi) - 1.0;; half += forward ? 1.0 : -1.0) {
+    const double turn = (forward ? half + 1.0 : half) * kPi;
+    const bool is_last = forward ? turn >= last : turn <= last;
+    const bool is_even_turn = std::fmod(std::abs(forward ? half + 1.0 : half), 2.0) == 0.0;
+    const double y_end = is_last ? lattice.across.dot(arc.end) : task.center_y + (is_even_turn ? task.reach : -task.reach);
+    task.bulge = std::fmod(std::abs(half), 2.0) == 0.0 ? bulge : -bulge;
+    const std::size_t before = stretches_.size();
+    add_stretch(index, static_cast<std::uint32_t>(rounds_.size()), y, y_end, 0.0, 1.0);
+    if (stretches_.size() > before) {
+      stretches_.back().is_round = true;
+      rounds_.push_back(task);
+    }
+    if (is_last) return;
+    y = y_end;
+  }
+}
+
 void RowCast::collect(const Section& section, const RowLattice& lattice) {
   stretches_.clear();
+  rounds_.clear();
   solid_of_arc_.resize(section.arcs.size());
   for (std::uint32_t i = 0; i < section.arcs.size(); ++i) {
     solid_of_arc_[i] = scene_->solid_of(section.arcs[i].face);
-    collect_arc(section.arcs[i], i, lattice);
+    const SectionArc& arc = section.arcs[i];
+    if (arc.ellipse >= 0) {
+      collect_ellipse(arc, section.ellipses[static_cast<std::size_t>(arc.ellipse)], i, lattice);
+    } else {
+      collect_arc(arc, i, lattice);
+    }
   }
   // From differences to the number of hits a row to where its hits begin.
   std::uint32_t hits = 0;
@@ -140,23 +222,32 @@ void RowCast::fill_straight(const Stretch& stretch, double* xs) const {
   }
 }
 
+std::size_t RowCast::solve(const Stretch& stretch, bool straight, double* xs) const {
+  const double* rows = rows_.data() + stretch.first_row;
+  const std::size_t count = stretch.last_row - stretch.first_row;
+  const DepthKernel& kernel = depth_kernel();
+  if (straight) {
+    fill_straight(stretch, xs);
+    return 0;
+  }
+  if (stretch.is_round) {
+    kernel.round(rounds_[stretch.piece], rows, count, xs);
+    return 0;
+  }
+  const ArcPiece& piece = pieces_[stretch.piece];
+  return kernel.solve({piece.x.data(), piece.y.data(), stretch.t_begin, stretch.t_end}, rows, count, kRowResidual, xs);
+}
+
 void RowCast::fill(const Section& section, CastCounters& counters) {
   const std::uint32_t total = row_begin_[rows_.size()];
   hits_.resize(total);
   cursor_.assign(row_begin_.begin(), row_begin_.end());
-  const DepthKernel& kernel = depth_kernel();
   for (const Stretch& stretch : stretches_) {
     const std::size_t count = stretch.last_row - stretch.first_row;
     if (xs_.size() < count) xs_.resize(count);
     const SectionArc& arc = section.arcs[stretch.arc];
-    if (arc.straight) {
-      fill_straight(stretch, xs_.data());
-      if (arc.doubtful) counters.uncertain_hits += count;
-    } else {
-      const ArcPiece& piece = pieces_[stretch.piece];
-      const DepthTask task{piece.x.data(), piece.y.data(), stretch.t_begin, stretch.t_end};
-      counters.uncertain_hits += kernel.solve(task, rows_.data() + stretch.first_row, count, kRowResidual, xs_.data());
-    }
+    const std::size_t failed = solve(stretch, arc.straight, xs_.data());
+    counters.uncertain_hits += arc.doubtful ? count : failed;
     const std::uint32_t tag = 2 * stretch.arc + (stretch.rises ? 1 : 0);
     for (std::size_t i = 0; i < count; ++i) hits_[cursor_[stretch.first_row + i]++] = {xs_[i], tag};
   }

@@ -5,6 +5,7 @@
 
 #include "model/scene.h"
 #include "slicing/slab.h"
+#include "slicing/span/depth_kernel.h"
 #include "slicing/span/section.h"
 
 namespace lamella::span {
@@ -31,6 +32,7 @@ class RowCast {
     double t_begin = 0.0;
     double t_end = 1.0;
     bool rises = false;
+    bool is_round = false;  ///< `piece` is an index in rounds_
   };
   struct RowHit {
     double x;
@@ -40,9 +42,11 @@ class RowCast {
   void lay_rows(const RowLattice& lattice);
   void turn_pieces(const Section& section, const RowLattice& lattice);
   void collect(const Section& section, const RowLattice& lattice);
+  void collect_ellipse(const SectionArc& arc, const EllipseArc& ellipse, std::uint32_t index, const RowLattice& lattice);
   void collect_arc(const SectionArc& arc, std::uint32_t index, const RowLattice& lattice);
   void add_stretch(std::uint32_t arc, std::uint32_t piece, double y_begin, double y_end, double t_begin, double t_end);
   [[nodiscard]] std::uint32_t first_row_at(double y) const;
+  std::size_t solve(const Stretch& stretch, bool straight, double* xs) const;
   void fill(const Section& section, CastCounters& counters);
   void fill_straight(const Stretch& stretch, double* xs) const;
   void emit(const Section& section, SpanRows& out, CastCounters& counters);
@@ -54,6 +58,7 @@ class RowCast {
   std::vector<ArcPiece> turned_;  ///< pieces in the lattice's axes, when those aren't the machine's
   const ArcPiece* pieces_ = nullptr;
   std::vector<Stretch> stretches_;
+  std::vector<RoundTask> rounds_;
   std::vector<std::uint32_t> row_begin_;  ///< per row: first hit; one more at the end
   std::vector<std::uint32_t> cursor_;
   std::vector<RowHit> hits_;

@@ -5,6 +5,7 @@
 
 #include "core/ids.h"
 #include "slicing/span/arc_piece.h"
+#include "slicing/span/round_section.h"
 
 namespace lamella::span {
 
@@ -18,15 +19,18 @@ struct SectionArc {
   std::uint32_t piece_count = 0;
   bool straight = false;  ///< one piece of degree 1
   bool doubtful = false;  ///< could not be traced: a chord stands in
+  std::int32_t ellipse = -1;  ///< index in Section::ellipses of an arc without pieces
 };
 
 /// All arcs of one solid on one layer, in the order of its faces.
 struct Section {
   std::vector<SectionArc> arcs;
   std::vector<ArcPiece> pieces;
+  std::vector<EllipseArc> ellipses;
 
   void clear() {
     arcs.clear();
+    ellipses.clear();
     pieces.clear();
   }
 };

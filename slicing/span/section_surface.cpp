@@ -326,6 +326,12 @@ Interval SectionSurface::limits(const Cell& cell, int axis) const {
   return limits;
 }
 
+double SectionSurface::extent(int axis) const {
+  if (periods_[axis] > 0.0) return periods_[axis];
+  if (breaks_[axis].empty()) return std::numeric_limits<double>::infinity();
+  return breaks_[axis].back() - breaks_[axis].front();
+}
+
 bool SectionSurface::has_neighbor(const Cell& cell, int axis, bool upper) const {
   const int index = axis == 0 ? cell.u : cell.v;
   return upper ? index + 2 < static_cast<int>(breaks_[axis].size()) : index > 0;

@@ -69,6 +69,8 @@ class SectionSurface {
   /// Whether a knot with continuous second derivatives lies between two points of one cell.
   [[nodiscard]] bool crosses_knot(const Vec2& a, const Vec2& b, const Cell& cell) const;
 
+  /// Period along u or v, or the length of a spline's domain; infinite where there is neither.
+  [[nodiscard]] double extent(int axis) const;
   [[nodiscard]] const Vec2& periods() const { return periods_; }
   [[nodiscard]] const Surface& surface() const { return *surface_; }
 

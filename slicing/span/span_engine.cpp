@@ -83,20 +83,24 @@ struct SpanEngine::Data {
     return limits;
   }
 
-  /// Calls visit(z, section) for each of the ascending heights; the section of a solid that isn't ours is empty.
+  /// Calls visit(z, section) for each of the ascending heights, slab by slab; the section of a solid that isn't ours is
+  /// empty.
   template <class Visit>
   void for_each_section(SolidId id, std::span<const double> heights, const Visit& visit) const {
     const auto solid = std::find_if(solids.begin(), solids.end(), [&](const auto& s) { return s->id == id; });
-    std::optional<SolidSlab> slab;
-    if (solid != solids.end() && !heights.empty()) {
-      slab.emplace(*scene, **solid, heights.front(), heights.back(), limits());
-    }
+    TraceLimits as_pieces = limits();
+    as_pieces.ellipses = false;
     Section section;
     SectionCounters counters;
-    for (const double z : heights) {
-      section.clear();
-      if (slab) slab->cut(z, section, counters);
-      visit(z, section);
+    for (std::size_t first = 0; first < heights.size(); first += kSlabLayers) {
+      const auto layers = heights.subspan(first, std::min(kSlabLayers, heights.size() - first));
+      std::optional<SolidSlab> slab;
+      if (solid != solids.end()) slab.emplace(*scene, **solid, layers, as_pieces);
+      for (std::size_t i = 0; i < layers.size(); ++i) {
+        section.clear();
+        if (slab) slab->cut(i, section, counters);
+        visit(layers[i], section);
+      }
     }
   }
 };

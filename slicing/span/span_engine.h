@@ -53,9 +53,9 @@ class SpanEngine {
   void cut(std::span<const LayerRequest> slab, std::span<LayerSpans> out) const;
 
   /// The contours of one of the solids at any height z. No point of a loop lies further than `chord_error` mm (1e-9 at
-  /// least) from its polygon, nor the other way round; nodes, where faces meet, are corners of the polygons. Areas are
-  /// those of the arcs, whatever the chord error: within the tolerance times the loop's length, and the solid's own
-  /// gaps times theirs. Where two faces of a loop leave a gap in a node, the loop goes straight through the node.
+  /// least) from its polygon, nor the other way round; nodes, where faces meet, are corners of the polygons. Where the
+  /// two faces of a node leave a gap, the loop goes straight through the node. Areas are those of the arcs, whatever
+  /// the chord error: within what arcs may be off (docs/methods/span-engine.md) times the loop's length.
   [[nodiscard]] SectionContours contours(SolidId solid, double z, double chord_error) const;
 
   /// The same at many heights, ascending, for less: arcs are carried from one to the next.

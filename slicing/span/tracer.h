@@ -16,6 +16,7 @@ struct TraceLimits {
   double tolerance = 1e-7;  ///< mm: accepted error of an arc piece
   double longest = 1.0;     ///< mm: longest step
   double landing = 1e-5;    ///< mm: how far an end node may lie from the arc that ends there
+  bool ellipses = true;     ///< ellipses stay what they are; else they become pieces as well
 };
 
 /// A traced arc: pieces.size() + 1 points.

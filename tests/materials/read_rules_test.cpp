@@ -32,7 +32,7 @@ InputError refusal(const std::string& body) {
 constexpr const char* kLibrary = "<library><material name=\"A\"/><material name=\"B\"/></library>";
 
 std::string with_rules(const std::string& rules) {
-  return std::string(kLibrary) + "\n<assignments>\n" + rules + "\n</assignments>";
+  return kLibrary + ("\n<assignments>\n" + rules) + "\n</assignments>";
 }
 
 TEST(ReadRules, EveryAttributeArrives) {

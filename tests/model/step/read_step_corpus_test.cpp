@@ -1,46 +1,20 @@
-#include <fstream>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <map>
 #include <set>
-#include <sstream>
 
 #include "core/tolerances.h"
 #include "model/evaluate.h"
 #include "model/step/read_step.h"
 #include "model/step/text.h"
-#include "tests/support/paths.h"
+#include "tests/support/corpus.h"
 
 namespace lamella {
 namespace {
 
+using test::CorpusFile;
 using ::testing::Contains;
 using ::testing::HasSubstr;
-
-/// One line of the manifest by the names of its columns.
-using Row = std::map<std::string, std::string>;
-
-std::vector<std::string> split(const std::string& line) {
-  std::vector<std::string> fields;
-  std::string field;
-  for (std::istringstream stream(line); std::getline(stream, field, '\t');) fields.push_back(field);
-  return fields;
-}
-
-std::vector<Row> manifest() {
-  std::ifstream stream(test::corpus_dir() / "manifest.tsv");
-  std::string line;
-  std::getline(stream, line);
-  const std::vector<std::string> names = split(line);
-  std::vector<Row> rows;
-  while (std::getline(stream, line)) {
-    const std::vector<std::string> fields = split(line);
-    Row row;
-    for (std::size_t i = 0; i < std::min(names.size(), fields.size()); ++i) row[names[i]] = fields[i];
-    rows.push_back(row);
-  }
-  return rows;
-}
 
 Scene read(const std::string& name) { return read_step(std::vector<std::filesystem::path>{test::corpus_dir() / name}); }
 
@@ -63,21 +37,21 @@ std::map<std::string, int> distinct_surface_types(const Scene& scene) {
   return types;
 }
 
-int number(const Row& row, const std::string& column) { return std::stoi(row.at(column)); }
+int count_of(const CorpusFile& file, const std::string& column) { return std::stoi(file.text(column)); }
 
-void expect_counts(const Scene& scene, const Row& row) {
+void expect_counts(const Scene& scene, const CorpusFile& file) {
   auto types = distinct_surface_types(scene);
   // Shells and faces outside solids are in the manifest's counts and not in the scene.
-  const int loose = number(row, "open_shells") > 0 ? number(row, "open_shells") : 0;
-  EXPECT_EQ(static_cast<int>(scene.solids.size()), number(row, "solids"));
-  EXPECT_LE(types["all"], number(row, "faces"));
-  EXPECT_GE(types["all"], number(row, "faces") - loose);
+  const int loose = count_of(file, "open_shells") > 0 ? count_of(file, "open_shells") : 0;
+  EXPECT_EQ(static_cast<int>(scene.solids.size()), count_of(file, "solids"));
+  EXPECT_LE(types["all"], count_of(file, "faces"));
+  EXPECT_GE(types["all"], count_of(file, "faces") - loose);
   const std::map<std::string, std::string> columns = {
       {"cylinder", "cyl"},    {"cone", "cone"},        {"sphere", "sphere"},    {"torus", "torus"},
       {"bspline", "bspline"}, {"revolution", "revol"}, {"extrusion", "extrus"}, {"fitted", "offset"}};
   for (const auto& [type, column] : columns) {
-    int expected = number(row, column);
-    if (type == "bspline") expected += number(row, "bezier");
+    int expected = count_of(file, column);
+    if (type == "bspline") expected += count_of(file, "bezier");
     EXPECT_EQ(types[type], expected) << type;
   }
 }
@@ -110,26 +84,30 @@ void expect_sound_names(const Scene& scene) {
   }
 }
 
-TEST(ReadStepCorpus, SoundFilesReadAsTheManifestSays) {
-  LAMELLA_NEEDS_CORPUS();
-  int count = 0;
-  for (const Row& row : manifest()) {
-    if (row.at("group") != "ok") continue;
-    ++count;
-    SCOPED_TRACE(row.at("file"));
-    const Scene scene = read(row.at("file"));
-    expect_counts(scene, row);
-    expect_sound_geometry(scene);
-    expect_sound_names(scene);
-    EXPECT_EQ(scene.files.at(0).schema, row.at("schema_AP"));
-    EXPECT_EQ(scene.files.at(0).unit, row.at("length_unit"));
-    for (const Solid& solid : scene.solids) {
-      EXPECT_EQ(solid.info.status, SolidStatus::ok) << solid.info.path;
-      EXPECT_TRUE(solid.info.closed) << solid.info.path;
-    }
-    for (const Finding& finding : scene.findings) EXPECT_NE(finding.severity, Severity::error) << finding.what;
+/// A test a file, so that they run side by side.
+class SoundFile : public ::testing::TestWithParam<CorpusFile> {};
+GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(SoundFile);
+INSTANTIATE_TEST_SUITE_P(ReadStepCorpus, SoundFile, ::testing::ValuesIn(test::corpus_files("ok")),
+                         [](const auto& tested) { return test::test_name(tested.param); });
+
+TEST_P(SoundFile, ReadsAsTheManifestSays) {
+  const CorpusFile& file = GetParam();
+  const Scene scene = read(file.name);
+  expect_counts(scene, file);
+  expect_sound_geometry(scene);
+  expect_sound_names(scene);
+  EXPECT_EQ(scene.files.at(0).schema, file.text("schema_AP"));
+  EXPECT_EQ(scene.files.at(0).unit, file.text("length_unit"));
+  for (const Solid& solid : scene.solids) {
+    EXPECT_EQ(solid.info.status, SolidStatus::ok) << solid.info.path;
+    EXPECT_TRUE(solid.info.closed) << solid.info.path;
   }
-  EXPECT_EQ(count, 53);
+  for (const Finding& finding : scene.findings) EXPECT_NE(finding.severity, Severity::error) << finding.what;
+}
+
+TEST(ReadStepCorpus, HasAllSoundFiles) {
+  LAMELLA_NEEDS_CORPUS();
+  EXPECT_EQ(test::corpus_files("ok").size(), 53U);
 }
 
 TEST(ReadStepCorpus, ReadsNamesMaterialsAndColors) {

@@ -227,7 +227,7 @@ TEST_F(ReadStep, SurvivesRandomDamage) {
 }
 
 TEST_F(ReadStep, NeverOpensOtherFiles) {
-  box_file();
+  (void)box_file();
   test::write_text(path("outer.step"),
                    test::replaced(test::read_text(std::filesystem::path(box_file())), "ENDSEC;\nEND-ISO",
                                   "#9001=DOCUMENT_FILE('box.step','','',$,'',$);\n"

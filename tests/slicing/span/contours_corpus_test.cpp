@@ -127,7 +127,7 @@ class CorpusContours : public testing::TestWithParam<test::CorpusFile> {};
 TEST_P(CorpusContours, CloseAndAddUpToTheVolume) { check_file(GetParam().path()); }
 
 INSTANTIATE_TEST_SUITE_P(Good, CorpusContours, testing::ValuesIn(test::corpus_files("ok")),
-                         [](const auto& info) { return test::test_name(info.param); });
+                         [](const auto& file) { return test::test_name(file.param); });
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(CorpusContours);
 
 TEST(CorpusContoursThere, OrSkipped) { LAMELLA_NEEDS_CORPUS(); }
@@ -142,7 +142,7 @@ TEST_P(BenchContours, CloseAndAddUpToTheVolume) {
 
 INSTANTIATE_TEST_SUITE_P(All, BenchContours,
                          testing::Values("analytic_assembly", "impeller", "knot_tube", "wavy_block"),
-                         [](const auto& info) { return info.param; });
+                         [](const auto& name) { return name.param; });
 
 }  // namespace
 }  // namespace lamella
