@@ -69,7 +69,10 @@ class Errors {
 
 Measurement::Measurement(const PeerEntry& entry, const Lattice& lattice, const std::vector<ExactRow>& exact,
                          const MeasureOptions& options)
-    : entry_(entry), lattice_(lattice), exact_(exact), options_(options), base_mebibytes_(peak_mebibytes()) {}
+    : entry_(entry), lattice_(lattice), exact_(exact), options_(options) {
+  forget_peak();
+  base_mebibytes_ = peak_mebibytes();
+}
 
 void Measurement::prepare_peer() {
   peer_.reset();
