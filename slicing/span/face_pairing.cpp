@@ -85,6 +85,9 @@ void FaceSection::pair_round(double z, const NodeTable& nodes) {
       // An arc that ends where it begins has gone all the way round: the twins of a seam.
       double sweep = raw - kTwoPi * std::floor(raw / kTwoPi);
       if (sweep < 1e-12) sweep = kTwoPi;
+      // A seam's two pcurves may lie a tolerance off a period apart.
+      const bool is_twin = face_->uses[begin].piece == face_->uses[end].piece;
+      if (is_twin) sweep = raw - kTwoPi * std::round((raw - kTwoPi) / kTwoPi);
       candidates.push_back({sweep, sweep - raw, begin, end});
     }
   }
@@ -144,23 +147,24 @@ void FaceSection::carry_families(double z, NodeTable& nodes, SectionCounters& co
   std::vector<Family> kept;
   for (Family& family : families_) {
     CarriedArc& carried = family.carried;
-    family.sheet.clear();
     if (carried.empty()) continue;
-    bool holds = false;
+    bool holds = family.sheet.covers(inner) || carried.z == inner;
     if (family.cut >= 0) {
       const MonotonePiece& piece = face_->cuts[static_cast<std::size_t>(family.cut)].pieces[family.cut_piece];
       if (!piece.crosses(inner)) continue;
-      const FacePoint seed = cut_point(family, inner);
-      holds = seed.usable &&
-              carry(face_->surface, face_->sign, seed.point, seed.point, inner, limits_, carried);
+      const FacePoint seed = holds ? FacePoint{} : cut_point(family, inner);
+      holds = holds || (seed.usable &&
+                        carry(face_->surface, face_->sign, seed.point, seed.point, inner, limits_, carried));
     } else {
       const bool is_there = std::binary_search(starts_.begin(), starts_.end(), family.begin) &&
                             std::binary_search(ends_.begin(), ends_.end(), family.end);
       if (!is_there) continue;
-      const FacePoint begin = layer_point(family.begin, z, inner, nodes);
-      const FacePoint end = layer_point(family.end, z, inner, nodes);
-      holds = begin.usable && end.usable &&
-              carry(face_->surface, face_->sign, begin.point, end.point, inner, limits_, carried);
+      if (!holds) {
+        const FacePoint begin = layer_point(family.begin, z, inner, nodes);
+        const FacePoint end = layer_point(family.end, z, inner, nodes);
+        holds = begin.usable && end.usable &&
+                carry(face_->surface, face_->sign, begin.point, end.point, inner, limits_, carried);
+      }
       if (holds) is_paired_[family.begin] = is_paired_[family.end] = 1;
     }
     if (holds) kept.push_back(std::move(family));
@@ -179,20 +183,30 @@ void FaceSection::drop_pierced_families(double inner, NodeTable& nodes) {
     }
   }
   std::erase_if(families_, [&](const Family& family) {
-    const auto is_pierced = [&](const Vec2& node) { return passes_near(family.carried.arc, node); };
+    if (fresh.empty()) return false;
+    pieces_of(family, inner);
+    const auto is_pierced = [&](const Vec2& node) { return passes_near(pieces_, node); };
     if (std::none_of(fresh.begin(), fresh.end(), is_pierced)) return false;
     if (family.cut < 0) is_paired_[family.begin] = is_paired_[family.end] = 0;
     return true;
   });
 }
 
-bool FaceSection::passes_near(const TracedArc& arc, const Vec2& xy) {
-  for (std::size_t i = 0; i + 1 < arc.points.size(); ++i) {
-    const Vec2 chord = arc.points[i + 1].xy - arc.points[i].xy;
+void FaceSection::pieces_of(const Family& family, double inner) {
+  pieces_ = family.carried.arc.pieces;
+  if (!family.sheet.covers(inner)) return;
+  pieces_.resize(family.sheet.piece_count());
+  family.sheet.evaluate(inner, pieces_.data());
+}
+
+bool FaceSection::passes_near(const std::vector<ArcPiece>& pieces, const Vec2& xy) {
+  for (const ArcPiece& piece : pieces) {
+    const Vec2 from = piece.at(0.0);
+    const Vec2 chord = piece.at(1.0) - from;
     const double square = chord.squaredNorm();
-    const double along = std::clamp(chord.dot(xy - arc.points[i].xy) / square, 0.0, 1.0);
-    // An arc that turns by less than 0.6 stays within a sixth of its chord from it; near is enough to look again.
-    if ((xy - arc.points[i].xy - along * chord).squaredNorm() <= 0.04 * square) return true;
+    const double along = std::clamp(chord.dot(xy - from) / square, 0.0, 1.0);
+    // An arc that turns by less than 0.7 stays within a fifth of its chord from it; near is enough to look again.
+    if ((xy - from - along * chord).squaredNorm() <= 0.04 * square) return true;
   }
   return false;
 }
@@ -241,12 +255,14 @@ void FaceSection::trace_starts() {
     if (is_paired_[start] != 0 || !points_[start].usable) continue;
     std::vector<SectionPoint> targets;
     std::vector<std::uint32_t> ids;
+    std::size_t twin = kNoTwin;
     for (const std::uint32_t end : ends_) {
       if (is_paired_[end] != 0 || !points_[end].usable) continue;
+      if (face_->uses[end].piece == face_->uses[start].piece) twin = targets.size();
       targets.push_back(points_[end].point);
       ids.push_back(end);
     }
-    if (!trace(face_->surface, face_->sign, points_[start].point, targets, limits_, traced_)) continue;
+    if (!trace(face_->surface, face_->sign, points_[start].point, targets, limits_, traced_, twin)) continue;
     join(start, ids[traced_.target]);
   }
 }
@@ -278,48 +294,61 @@ void FaceSection::find_roots(double z) {
   }
 }
 
-void FaceSection::visit_roots(const TracedArc& arc) {
-  for (CutRoot& root : roots_) {
-    for (std::size_t i = 0; i + 1 < arc.points.size() && !root.visited; ++i) {
-      root.visited = meets_cut(arc.points[i], arc.points[i + 1], Vec2(root.u, face_->cuts[root.cut].v));
+void FaceSection::visit_roots(const Family& family, double z) {
+  uv_pieces_.clear();
+  if (family.sheet.covers(z)) {
+    uv_pieces_.resize(family.sheet.piece_count());
+    family.sheet.evaluate_uv(z, uv_pieces_.data());
+  } else {
+    const std::vector<SectionPoint>& points = family.carried.arc.points;
+    ArcPiece piece, uv;
+    for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+      if (join_points(points[i], points[i + 1], piece, uv)) uv_pieces_.push_back(uv);
     }
+  }
+  for (const ArcPiece& uv : uv_pieces_) visit_roots(uv);
+}
+
+void FaceSection::visit_roots(const ArcPiece& uv) {
+  const Vec2 a = uv.at(0.0);
+  const Vec2 b = uv.at(1.0);
+  for (CutRoot& root : roots_) {
+    if (!root.visited) root.visited = meets_cut(uv, a, b, Vec2(root.u, face_->cuts[root.cut].v));
   }
 }
 
-bool FaceSection::meets_cut(const SectionPoint& a, const SectionPoint& b, const Vec2& at) const {
+bool FaceSection::meets_cut(const ArcPiece& uv, const Vec2& a, const Vec2& b, const Vec2& at) const {
   const Vec2& periods = face_->surface.periods();
   const auto wrapped = [](double difference, double period) {
     return period > 0.0 ? difference - period * std::round(difference / period) : difference;
   };
-  const double above_a = wrapped(a.uv[1] - at[1], periods[1]);
-  const double above_b = above_a + (b.uv[1] - a.uv[1]);
+  const double above_a = wrapped(a[1] - at[1], periods[1]);
+  const double above_b = above_a + (b[1] - a[1]);
   if ((above_a <= 0.0) == (above_b <= 0.0)) return false;
-  const double reach = 2.0 * (std::abs(b.uv[0] - a.uv[0]) + std::abs(b.uv[1] - a.uv[1]));
-  if (std::abs(wrapped(a.uv[0] - at[0], periods[0])) > reach) return false;
-  ArcPiece piece, uv;
-  if (!join_points(a, b, piece, uv)) return false;
+  const double reach = 2.0 * (std::abs(b[0] - a[0]) + std::abs(b[1] - a[1]));
+  if (std::abs(wrapped(a[0] - at[0], periods[0])) > reach) return false;
   // Where the piece crosses the line, by bisection: v(t) changes sign over it.
   double lo = 0.0;
   double hi = 1.0;
   for (int i = 0; i < 40; ++i) {
     const double middle = 0.5 * (lo + hi);
-    const double above = above_a + (uv.at(middle)[1] - a.uv[1]);
+    const double above = above_a + (uv.at(middle)[1] - a[1]);
     ((above <= 0.0) == (above_a <= 0.0) ? lo : hi) = middle;
   }
-  const double aside = std::abs(wrapped(uv.at(lo)[0] - at[0], periods[0]));
-  return aside <= 1e-4 * reach;
+  return std::abs(wrapped(uv.at(lo)[0] - at[0], periods[0])) <= 1e-4 * reach;
 }
 
 void FaceSection::find_loops(double z) {
   find_roots(z);
   if (roots_.empty()) return;
   for (const Family& family : families_) {
-    if (!family.carried.empty()) visit_roots(family.carried.arc);
+    if (!family.carried.empty()) visit_roots(family, z);
   }
   for (std::size_t i = 0; i < roots_.size(); ++i) {
     if (roots_[i].visited) continue;
     const CutLine& line = face_->cuts[roots_[i].cut];
-    if (face_->region->classify(Vec2(roots_[i].u, line.v)) != TrimRegion::Side::inside) continue;
+    const Vec2 slack = 1e-9 * face_->region->bounds().sizes();
+    if (face_->region->classify(Vec2(roots_[i].u, line.v), slack) == TrimRegion::Side::outside) continue;
     Family family;
     family.cut = static_cast<std::int32_t>(roots_[i].cut);
     family.cut_piece = roots_[i].piece;
@@ -331,7 +360,7 @@ void FaceSection::find_loops(double z) {
     const bool landed = trace(face_->surface, face_->sign, seed.point, end_points_, limits_, family.carried.arc);
     if (!landed || family.carried.arc.target != 0) continue;
     family.carried.start(z);
-    visit_roots(family.carried.arc);
+    visit_roots(family, z);
     families_.push_back(std::move(family));
   }
 }

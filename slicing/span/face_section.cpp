@@ -181,7 +181,8 @@ FaceSection::FacePoint FaceSection::face_point(const PieceUse& use, const Node& 
   result.tolerance = std::max(edge.tolerance, 1e-7);
   const Vec2 uv = chart_point(use, node);
   result.chart = uv;
-  const CorrectLimits limits{limits_.height, std::max(20.0 * result.tolerance, 1e-3 * face_->size)};
+  result.piece = use.piece;
+  const CorrectLimits limits{std::max(20.0 * result.tolerance, 1e-3 * face_->size)};
   Cell cell = face_->surface.find_cell(uv, Vec2::Zero());
   auto point = correct(face_->surface, cell, uv, z, face_->sign, -1, limits);
   if (point) {
@@ -190,7 +191,6 @@ FaceSection::FacePoint FaceSection::face_point(const PieceUse& use, const Node& 
       if (const auto again = correct(face_->surface, ahead, point->uv, z, face_->sign, -1, limits)) point = again;
     }
     result.point = *point;
-    result.chart = point->uv;
     result.point.z = z;
     result.usable = true;
   } else {
@@ -207,7 +207,7 @@ FaceSection::FacePoint FaceSection::cut_point(const Family& family, double z) co
   FacePoint result;
   result.chart = Vec2(u, cut.v);
   const Cell cell = face_->surface.find_cell(result.chart, Vec2::Zero());
-  const CorrectLimits limits{limits_.height, 1e-3 * face_->size};
+  const CorrectLimits limits{1e-3 * face_->size};
   const auto point = correct(face_->surface, cell, result.chart, z, face_->sign, -1, limits);
   result.usable = point.has_value();
   if (point) result.point = *point;
@@ -218,6 +218,7 @@ FaceSection::FacePoint FaceSection::cut_point(const Family& family, double z) co
 
 bool FaceSection::lie_together(const FacePoint& begin, const FacePoint& end) const {
   // The twins of a seam lie together in space but a period, or the length of a closed spline, apart in the chart.
+  if (begin.piece == end.piece) return false;
   const Vec2 step = (end.chart - begin.chart).cwiseAbs();
   for (int axis = 0; axis < 2; ++axis) {
     if (step[axis] > 0.25 * face_->surface.extent(axis)) return false;
@@ -230,16 +231,21 @@ bool FaceSection::are_joined(const FacePoint& begin, const FacePoint& end) const
   const double distance = step.norm();
   if (distance > 2.0 * std::max(begin.tolerance, end.tolerance)) return false;
   if (!lie_together(begin, end)) return false;
-  if (length_of(begin.point, end.chart - begin.chart) > 10.0 * distance + 1e-6) return false;
+  if (length_of(begin.point, end.point.uv - begin.point.uv) > 10.0 * distance + 1e-6) return false;
   return distance <= 1e-7 || step.dot(begin.point.tangent) <= 0.0;
 }
 
-bool FaceSection::cut_by_sheet(const Family& family, double inner, NodeTable& nodes, Section& out) const {
+bool FaceSection::cut_by_sheet(Family& family, double inner, NodeTable& nodes, Section& out) const {
   if (!family.sheet.covers(inner)) return false;
   const auto first = static_cast<std::uint32_t>(out.pieces.size());
   const auto count = static_cast<std::uint32_t>(family.sheet.piece_count());
   out.pieces.resize(first + count);
   family.sheet.evaluate(inner, out.pieces.data() + first);
+  if (family.cut < 0 && !keeps_to_nodes(family, out.pieces.data() + first, count, nodes)) {
+    out.pieces.resize(first);
+    family.sheet.clear();
+    return false;
+  }
   if (family.cut >= 0) {
     const Vec2 seed = out.pieces[first].at(0.0);
     append_range(seed, seed, first, out);
@@ -250,10 +256,26 @@ bool FaceSection::cut_by_sheet(const Family& family, double inner, NodeTable& no
   return true;
 }
 
+bool FaceSection::keeps_to_nodes(const Family& family, const ArcPiece* pieces, std::uint32_t count,
+                                 NodeTable& nodes) const {
+  const Vec2 begin = nodes.node(face_->uses[family.begin].piece).xy - pieces[0].at(0.0);
+  const Vec2 end = nodes.node(face_->uses[family.end].piece).xy - pieces[count - 1].at(1.0);
+  const double allowed = family.sheet.gap() + 4.0 * limits_.tolerance;
+  return begin.squaredNorm() <= allowed * allowed && end.squaredNorm() <= allowed * allowed;
+}
+
+bool FaceSection::lasts_to(const Family& family, double z) const {
+  if (family.cut >= 0) return face_->cuts[static_cast<std::size_t>(family.cut)].pieces[family.cut_piece].crosses(z);
+  return edges_->all()[face_->uses[family.begin].piece].range.crosses(z) &&
+         edges_->all()[face_->uses[family.end].piece].range.crosses(z);
+}
+
 void FaceSection::try_sheet(Family& family, double inner, const NodeTable& nodes, SectionCounters& counters) {
   if (family.carried.empty() || family.carried.z != inner || layer_ < family.next_sheet) return;
+  // Over events too: that they leave the arc alone shows in the measurement.
   std::size_t last = layer_;
-  while (last + 1 < heights_.size() && heights_[last + 1] < face_->events[*band_ + 1]) ++last;
+  while (last + 1 < heights_.size() && lasts_to(family, heights_[last + 1])) ++last;
+  double gap = 0.0;
   const auto ends_at = [&](double z, SectionPoint& begin, SectionPoint& end) {
     if (family.cut >= 0) {
       const FacePoint seed = cut_point(family, z);
@@ -266,11 +288,13 @@ void FaceSection::try_sheet(Family& family, double inner, const NodeTable& nodes
     const FacePoint to = face_point(end_use, nodes.node_at(end_use.piece, z), z);
     begin = from.point;
     end = to.point;
+    gap = std::max({gap, (from.node - begin.xy).norm(), (to.node - end.xy).norm()});
     return from.usable && to.usable;
   };
   for (; last - layer_ + 1 >= Sheet::kFewestLayers; last = layer_ + (last - layer_) / 2) {
-    const double high = inner_height(heights_[last]);
+    const double high = heights_[last] < face_->events[*band_ + 1] ? inner_height(heights_[last]) : heights_[last];
     if (family.sheet.build(face_->surface, face_->sign, inner, high, limits_, ends_at, family.carried)) {
+      family.sheet.allow_gap(gap);
       ++counters.sheets;
       return;
     }
@@ -335,7 +359,8 @@ void FaceSection::cut_arc(Family& family, const FacePoint& begin, const FacePoin
     return;
   }
   ++counters.traced;
-  if (trace(face_->surface, face_->sign, begin.point, {&end.point, 1}, limits_, carried.arc)) {
+  const std::size_t twin = begin.piece == end.piece ? 0 : kNoTwin;
+  if (trace(face_->surface, face_->sign, begin.point, {&end.point, 1}, limits_, carried.arc, twin)) {
     carried.start(z);
     append(begin.node, end.node, carried.arc.pieces, out);
     return;
@@ -370,7 +395,9 @@ void FaceSection::bridge(const FacePoint& begin, const FacePoint& end, Section& 
   const Vec2 first = from == 0 ? begin.node : a.xy;
   const Vec2 second = to == 0 ? end.node : b.xy;
   if (from > 0) append(begin.node, first, traced_.pieces, out);
-  const bool doubtful = !(height_off(a, b) <= std::max(begin.tolerance, end.tolerance));
+  // The twins of a seam lie together, but the arc between them goes all the way round.
+  const bool is_round = begin.piece == end.piece;
+  const bool doubtful = is_round || !(height_off(a, b) <= std::max(begin.tolerance, end.tolerance));
   if (doubtful) ++counters.doubtful_arcs;
   append_chord(first, second, a.xy, b.xy, doubtful, out);
   if (to == 0) return;

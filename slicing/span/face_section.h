@@ -68,7 +68,8 @@ class FaceSection {
   /// One end of an arc on this face.
   struct FacePoint {
     SectionPoint point;
-    Vec2 chart = Vec2::Zero();  ///< (u, v) in the face's chart
+    Vec2 chart = Vec2::Zero();  ///< (u, v) in the face's chart, by the pcurve
+    std::uint32_t piece = 0;    ///< edge piece of the node
     Vec2 node = Vec2::Zero();   ///< stored
     double tolerance = 0.0;
     bool usable = false;
@@ -83,8 +84,9 @@ class FaceSection {
   void trace_starts();
   void pair_rest();
   void find_roots(double z);
-  void visit_roots(const TracedArc& arc);
-  [[nodiscard]] bool meets_cut(const SectionPoint& a, const SectionPoint& b, const Vec2& at) const;
+  void visit_roots(const Family& family, double z);
+  void visit_roots(const ArcPiece& uv);
+  [[nodiscard]] bool meets_cut(const ArcPiece& uv, const Vec2& a, const Vec2& b, const Vec2& at) const;
   void find_loops(double z);
 
   void cut_plane(double z, NodeTable& nodes, Section& out) const;
@@ -92,10 +94,14 @@ class FaceSection {
   void cut_traced(double z, NodeTable& nodes, Section& out, SectionCounters& counters);
   void carry_families(double z, NodeTable& nodes, SectionCounters& counters);
   void drop_pierced_families(double inner, NodeTable& nodes);
-  [[nodiscard]] static bool passes_near(const TracedArc& arc, const Vec2& xy);
+  void pieces_of(const Family& family, double inner);
+  [[nodiscard]] static bool passes_near(const std::vector<ArcPiece>& pieces, const Vec2& xy);
   void cut_arc(Family& family, const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters);
   [[nodiscard]] FacePoint layer_point(std::uint32_t use, double z, double inner, NodeTable& nodes) const;
-  bool cut_by_sheet(const Family& family, double inner, NodeTable& nodes, Section& out) const;
+  bool keeps_to_nodes(const Family& family, const ArcPiece* pieces, std::uint32_t count, NodeTable& nodes) const;
+  bool cut_by_sheet(Family& family, double inner, NodeTable& nodes, Section& out) const;
+  /// Whether both ends of a family are still there at a height above.
+  [[nodiscard]] bool lasts_to(const Family& family, double z) const;
   void try_sheet(Family& family, double inner, const NodeTable& nodes, SectionCounters& counters);
   /// An arc that can't be followed from end to end: both ways as far as they come nearest, and a chord between.
   void bridge(const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters);
@@ -147,6 +153,8 @@ class FaceSection {
   std::vector<FacePoint> points_;  ///< one a use
   std::vector<std::uint8_t> is_paired_;
   std::vector<CutRoot> roots_;
+  std::vector<ArcPiece> pieces_;     ///< of the family being looked at
+  std::vector<ArcPiece> uv_pieces_;  ///< the same in (u, v)
   std::vector<SectionPoint> end_points_;  ///< of the arcs on this layer, behind a place for a loop's seed
 };
 

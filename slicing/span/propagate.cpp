@@ -67,7 +67,8 @@ class Carrier {
   bool move_point(std::size_t i, Place& place) const {
     const double dz = z_ - carried_.z;
     Vec2 step = carried_.velocity[i] * dz;
-    if (!carried_.last_velocity.empty()) {
+    // Two layers may be nearly one, and say nothing then.
+    if (!carried_.last_velocity.empty() && std::abs(dz) < 16.0 * std::abs(carried_.z - carried_.last_z)) {
       step += (carried_.velocity[i] - carried_.last_velocity[i]) * (0.5 * dz * dz / (carried_.z - carried_.last_z));
     }
     const std::vector<SectionPoint>& points = carried_.arc.points;
@@ -153,7 +154,7 @@ class Carrier {
     if (halvings == 0) return false;
     const Vec2 uv = 0.5 * (a.point.uv + end.uv);
     const double chord = (end.xy - a.point.xy).norm();
-    const auto middle = correct(surface_, a.cell, uv, z_, sign_, -1, {limits_.height, 0.3 * chord});
+    const auto middle = correct(surface_, a.cell, uv, z_, sign_, -1, {0.3 * chord});
     if (!middle || !is_within(middle->uv, a.cell, -1)) return false;
     Place between{*middle, a.cell, -1, rise_of(*middle, -1), Vec2::Zero()};
     between.point.z = z_;
@@ -194,16 +195,6 @@ class Carrier {
 };
 
 }  // namespace
-
-void shift(SurfacePoint2& at, const Vec2& step) {
-  const double u = step[0];
-  const double v = step[1];
-  at.point += at.du * u + at.dv * v + at.duu * (0.5 * u * u) + at.duv * (u * v) + at.dvv * (0.5 * v * v);
-  const Vec3 du = at.duu * u + at.duv * v;
-  const Vec3 dv = at.duv * u + at.dvv * v;
-  at.du += du;
-  at.dv += dv;
-}
 
 void CarriedArc::start(double height) {
   z = height;

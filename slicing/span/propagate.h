@@ -19,10 +19,6 @@ struct CarriedArc {
   void start(double height);
 };
 
-/// Moves a point of the surface by a step in (u, v) as its second derivatives say: position to second order, first
-/// derivatives to first.
-void shift(SurfacePoint2& at, const Vec2& step);
-
 /// Brings a carried arc to height z between the given ends: every point by extrapolation and one evaluation, to second
 /// order in what was left to correct; points on cell limits stay on them. The error of every piece is measured as when
 /// tracing. False when the arc doesn't hold any more; then it has to be traced anew.

@@ -55,31 +55,51 @@ Vec2 rise_of(const SectionPoint& at, int fixed_axis) {
   return step / step.dot(at.height_slope);
 }
 
+namespace {
+
+Vec2 step_to(const SurfacePoint& at, double dz, int fixed_axis) {
+  if (fixed_axis < 0) return steepest_step(at, dz);
+  Vec2 step = Vec2::Zero();
+  step[1 - fixed_axis] = dz / (fixed_axis == 0 ? at.dv.z() : at.du.z());
+  return step;
+}
+
+}  // namespace
+
+void shift(SurfacePoint2& at, const Vec2& step) {
+  const double u = step[0];
+  const double v = step[1];
+  at.point += at.du * u + at.dv * v + at.duu * (0.5 * u * u) + at.duv * (u * v) + at.dvv * (0.5 * v * v);
+  const Vec3 du = at.duu * u + at.duv * v;
+  const Vec3 dv = at.duv * u + at.dvv * v;
+  at.du += du;
+  at.dv += dv;
+}
+
 std::optional<SectionPoint> correct(const SectionSurface& surface, const Cell& cell, Vec2 uv, double z, double sign,
                                     int fixed_axis, const CorrectLimits& limits) {
   constexpr int kMaxSteps = 12;
+  // Steps this short are taken from the second derivatives: what they leave out is of third order.
+  const double exact = 1e-4 * limits.reach;
   double travelled = 0.0;
-  double last_error = 0.0;
   for (int i = 0; i < kMaxSteps; ++i) {
-    const SurfacePoint2 at = surface.evaluate(uv, cell);
-    const double dz = z - at.point.z();
-    const bool stalls = i > 2 && std::abs(dz) >= 0.5 * last_error;
-    if (std::abs(dz) <= limits.height || (stalls && std::abs(dz) <= 1e3 * limits.height)) {
-      const SectionPoint point = section_point(at, uv, sign);
-      if (!point.uv_bend.allFinite() || !std::isfinite(point.curvature)) return std::nullopt;
-      return point;
-    }
-    last_error = std::abs(dz);
-    Vec2 step = Vec2::Zero();
-    if (fixed_axis < 0) {
-      step = steepest_step(at, dz);
+    // The first step is hardly ever the last.
+    SurfacePoint2 at;
+    if (i == 0) {
+      static_cast<SurfacePoint&>(at) = surface.evaluate_slopes(uv, cell);
     } else {
-      const int free_axis = 1 - fixed_axis;
-      step[free_axis] = dz / (free_axis == 0 ? at.du.z() : at.dv.z());
+      at = surface.evaluate(uv, cell);
     }
-    travelled += (at.du * step[0] + at.dv * step[1]).norm();
+    const Vec2 step = step_to(at, z - at.point.z(), fixed_axis);
+    const double length = (at.du * step[0] + at.dv * step[1]).norm();
+    travelled += length;
     if (!(travelled <= limits.reach)) return std::nullopt;  // NaN too
     uv += step;
+    if (i == 0 || length > exact) continue;
+    shift(at, step);
+    SectionPoint point = section_point(at, uv, sign);
+    if (!point.uv_bend.allFinite() || !std::isfinite(point.curvature)) return std::nullopt;
+    return point;
   }
   return std::nullopt;
 }

@@ -40,10 +40,13 @@ struct SectionPoint {
   return std::sqrt(square > 0.0 ? square : 0.0);
 }
 
+/// Moves a point of the surface by a step in (u, v) as its second derivatives say: position to second order, first
+/// derivatives to first.
+void shift(SurfacePoint2& at, const Vec2& step);
+
 /// Where to stop a correction.
 struct CorrectLimits {
-  double height = 1e-11;  ///< mm: accepted error in z
-  double reach = 0.0;     ///< mm on the surface: largest distance from the start of the correction
+  double reach = 0.0;  ///< mm on the surface: largest distance from the start of the correction
 };
 
 /// The point of the section at height z near `uv`, by Newton's iteration along the steepest way, or along the line

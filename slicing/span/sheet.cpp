@@ -15,8 +15,8 @@ constexpr std::size_t kNumbers = 12;  // of a piece: six coefficients of x, six 
 /// Places of the nodes in [-1, 1]: -cos(j pi / 4).
 constexpr std::array<double, kNodes> kPlaces{-1.0, -0.70710678118654752, 0.0, 0.70710678118654752, 1.0};
 
-/// Where the interpolation is measured: near its largest remainder, and near an end.
-constexpr std::array<double, 2> kProbes{-0.35, 0.9};
+/// Where the interpolation is measured: near the largest values of its remainder, between all neighbouring nodes.
+constexpr std::array<double, 4> kProbes{-0.87, -0.35, 0.35, 0.87};
 
 constexpr double kLargestTurn = 0.7;  // radians between neighbouring points
 
@@ -62,12 +62,12 @@ class Builder {
           CarriedArc& carried)
       : surface_(surface), sign_(sign), low_(low), high_(high), limits_(limits), carried_(carried) {}
 
-  bool run(const Sheet::EndsAt& ends_at, std::vector<double>& coefficients) {
+  bool run(const Sheet::EndsAt& ends_at, std::vector<double>& coefficients, std::vector<double>& uv_coefficients) {
     const TracedArc& start = carried_.arc;
     points_ = start.points;
     const std::size_t pieces = start.pieces.size();
     numbers_.resize(pieces * kNumbers);
-    middles_.resize(pieces * 2 * kMeasured.size());
+    uv_numbers_.resize(pieces * kNumbers);
     ways_.resize(points_.size());
     for (std::size_t i = 1; i < pieces; ++i) ways_[i].direction = rise_of(points_[i], start.axes[i]);
     find_anchors();
@@ -80,7 +80,8 @@ class Builder {
       if (!take_pieces(j)) return false;
     }
     if (!measure()) return false;
-    store(coefficients);
+    store(numbers_, coefficients);
+    store(uv_numbers_, uv_coefficients);
     leave_at_top();
     return true;
   }
@@ -202,11 +203,8 @@ class Builder {
       for (int k = 0; k < 6; ++k) {
         numbers_[i * kNumbers + k][node] = piece.x[k];
         numbers_[i * kNumbers + 6 + k][node] = piece.y[k];
-      }
-      for (std::size_t m = 0; m < kMeasured.size(); ++m) {
-        const Vec2 at = uv.at(kMeasured[m]);
-        middles_[2 * (kMeasured.size() * i + m)][node] = at[0];
-        middles_[2 * (kMeasured.size() * i + m) + 1][node] = at[1];
+        uv_numbers_[i * kNumbers + k][node] = uv.x[k];
+        uv_numbers_[i * kNumbers + 6 + k][node] = uv.y[k];
       }
     }
     return true;
@@ -214,7 +212,7 @@ class Builder {
 
   bool measure() {
     for (NodeValues& values : numbers_) values = monomials(values);
-    for (NodeValues& values : middles_) values = monomials(values);
+    for (NodeValues& values : uv_numbers_) values = monomials(values);
     const std::vector<Cell>& cells = carried_.arc.cells;
     for (std::size_t i = 0; i < cells.size(); ++i) {
       const bool crosses = surface_.crosses_knot(points_[i].uv, points_[i + 1].uv, cells[i]);
@@ -229,24 +227,30 @@ class Builder {
 
   /// Horizontal distance of a measured place of a piece from the surface, to first order about the point of its (u, v).
   [[nodiscard]] double error_at(std::size_t piece, std::size_t measured, double place) const {
-    const NodeValues* middle = &middles_[2 * (kMeasured.size() * piece + measured)];
-    const Vec2 uv(value_at(middle[0], place), value_at(middle[1], place));
+    const double t = kMeasured[measured];
+    const Vec2 uv = point_at(uv_numbers_, piece, t, place);
     const SurfacePoint at = surface_.evaluate_slopes(uv, carried_.arc.cells[piece]);
     Vec3 point(0.0, 0.0, height(place));
-    double power = 1.0;
-    for (int k = 0; k < 6; ++k, power *= kMeasured[measured]) {
-      point.x() += power * value_at(numbers_[piece * kNumbers + k], place);
-      point.y() += power * value_at(numbers_[piece * kNumbers + 6 + k], place);
-    }
+    point.head<2>() = point_at(numbers_, piece, t, place);
     const Vec3 normal = at.normal();
     return std::abs(normal.dot(point - at.point)) / normal.head<2>().norm();
   }
 
-  void store(std::vector<double>& coefficients) const {
-    const std::size_t stride = numbers_.size();
+  /// A point of a piece, once its numbers are monomials in the place.
+  [[nodiscard]] static Vec2 point_at(const std::vector<NodeValues>& numbers, std::size_t piece, double t, double place) {
+    Vec2 point = Vec2::Zero();
+    for (int k = 5; k >= 0; --k) {
+      point = point * t + Vec2(value_at(numbers[piece * kNumbers + k], place),
+                               value_at(numbers[piece * kNumbers + 6 + k], place));
+    }
+    return point;
+  }
+
+  static void store(const std::vector<NodeValues>& numbers, std::vector<double>& coefficients) {
+    const std::size_t stride = numbers.size();
     coefficients.resize(kNodes * stride);
     for (std::size_t i = 0; i < stride; ++i) {
-      for (int power = 0; power < kNodes; ++power) coefficients[power * stride + i] = numbers_[i][power];
+      for (int power = 0; power < kNodes; ++power) coefficients[power * stride + i] = numbers[i][power];
     }
   }
 
@@ -271,7 +275,7 @@ class Builder {
   std::vector<SectionPoint> points_;  ///< at the node being worked on
   std::vector<Way> ways_;
   std::vector<NodeValues> numbers_;
-  std::vector<NodeValues> middles_;  ///< (u, v) at the measured places of each piece
+  std::vector<NodeValues> uv_numbers_;
 };
 
 }  // namespace
@@ -279,7 +283,7 @@ class Builder {
 bool Sheet::build(const SectionSurface& surface, double sign, double low, double high, const TraceLimits& limits,
                   const EndsAt& ends_at, CarriedArc& carried) {
   clear();
-  if (!Builder(surface, sign, low, high, limits, carried).run(ends_at, coefficients_)) {
+  if (!Builder(surface, sign, low, high, limits, carried).run(ends_at, coefficients_, uv_coefficients_)) {
     clear();
     return false;
   }
@@ -293,6 +297,11 @@ void Sheet::evaluate(double z, ArcPiece* pieces) const {
   const double place = (2.0 * z - low_ - high_) / (high_ - low_);
   static_assert(sizeof(ArcPiece) == kNumbers * sizeof(double));
   depth_kernel().blend(coefficients_.data(), piece_count_ * kNumbers, place, pieces->x.data());
+}
+
+void Sheet::evaluate_uv(double z, ArcPiece* pieces) const {
+  const double place = (2.0 * z - low_ - high_) / (high_ - low_);
+  depth_kernel().blend(uv_coefficients_.data(), piece_count_ * kNumbers, place, pieces->x.data());
 }
 
 }  // namespace lamella::span

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <functional>
@@ -28,17 +29,29 @@ class Sheet {
   bool build(const SectionSurface& surface, double sign, double low, double high, const TraceLimits& limits,
              const EndsAt& ends_at, CarriedArc& carried);
 
+  /// How far the arc's ends may lie off their stored nodes: as far as they did where the sheet is exact, mm. A curve
+  /// with a knot between two exact sections shows by more.
+  void allow_gap(double gap) { gap_ = std::max(gap_, gap); }
+  [[nodiscard]] double gap() const { return gap_; }
+
   [[nodiscard]] bool covers(double z) const { return !coefficients_.empty() && low_ <= z && z <= high_; }
-  void clear() { coefficients_.clear(); }
+  void clear() {
+    coefficients_.clear();
+    gap_ = 0.0;
+  }
   [[nodiscard]] std::size_t piece_count() const { return piece_count_; }
   /// Writes piece_count() pieces of the arc at height z.
   void evaluate(double z, ArcPiece* pieces) const;
+  /// The same pieces in (u, v).
+  void evaluate_uv(double z, ArcPiece* pieces) const;
 
  private:
+  double gap_ = 0.0;
   double low_ = 0.0;
   double high_ = 0.0;
   std::size_t piece_count_ = 0;
-  std::vector<double> coefficients_;  ///< [power][piece][12]
+  std::vector<double> coefficients_;     ///< [power][piece][12]
+  std::vector<double> uv_coefficients_;  ///< the same of (u, v)
 };
 
 }  // namespace lamella::span

@@ -98,8 +98,8 @@ struct Step {
 class Trace {
  public:
   Trace(const SectionSurface& surface, double sign, std::span<const SectionPoint> targets, const TraceLimits& limits,
-        TracedArc& arc)
-      : surface_(surface), sign_(sign), targets_(targets), limits_(limits), arc_(arc) {}
+        std::size_t twin, TracedArc& arc)
+      : surface_(surface), sign_(sign), targets_(targets), limits_(limits), twin_(twin), arc_(arc) {}
 
   bool run(const SectionPoint& start) {
     arc_.clear();
@@ -146,7 +146,7 @@ class Trace {
     // A correction may leave the cell where the prediction didn't, or by its other side: then end on that limit.
     for (int attempt = 0; attempt < 3; ++attempt) {
       if (step.exit.axis >= 0) uv[step.exit.axis] = step.exit.value;
-      const CorrectLimits correct_limits{limits_.height, kCorrectionShare * step.exit.length + limits_.tolerance};
+      const CorrectLimits correct_limits{kCorrectionShare * step.exit.length + limits_.tolerance};
       const auto next = correct(surface_, cell_, uv, z_, sign_, step.exit.axis, correct_limits);
       if (!next) return std::nullopt;
       if (!leaves_cell(next->uv, step.exit)) {
@@ -189,11 +189,18 @@ class Trace {
       const Vec2 uv = unwrapped(targets_[i].uv, 0.5 * (current_.uv + step.next.uv), surface_.periods());
       const double t = step.fit.parameter(current_.uv, step.next.uv, uv);
       if (!(t > 1e-9 && t < first) || !is_on(step, targets_[i], uv, t)) continue;
+      if (i == twin_ && !has_come_round(uv)) continue;
       first = t;
       best = i;
       best_uv = uv;
     }
     return best < targets_.size() && finish(best, best_uv);
+  }
+
+  /// By a whole period, or nearly: passing a pole closely takes half of one.
+  [[nodiscard]] bool has_come_round(const Vec2& uv) const {
+    const Vec2 way = (uv - arc_.points.front().uv).cwiseAbs();
+    return way[0] > 0.75 * surface_.extent(0) || way[1] > 0.75 * surface_.extent(1);
   }
 
   bool is_on(const Step& step, const SectionPoint& target, const Vec2& uv, double t) const {
@@ -245,6 +252,7 @@ class Trace {
   double sign_;
   std::span<const SectionPoint> targets_;
   const TraceLimits& limits_;
+  std::size_t twin_;
   TracedArc& arc_;
   Cell cell_;
   SectionPoint current_;
@@ -256,8 +264,8 @@ class Trace {
 }  // namespace
 
 bool trace(const SectionSurface& surface, double sign, const SectionPoint& start, std::span<const SectionPoint> targets,
-           const TraceLimits& limits, TracedArc& arc) {
-  return Trace(surface, sign, targets, limits, arc).run(start);
+           const TraceLimits& limits, TracedArc& arc, std::size_t twin) {
+  return Trace(surface, sign, targets, limits, twin, arc).run(start);
 }
 
 }  // namespace lamella::span

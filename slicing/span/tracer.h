@@ -12,7 +12,6 @@ namespace lamella::span {
 
 /// What the tracer knows of a face.
 struct TraceLimits {
-  double height = 1e-11;    ///< mm: accepted error in z
   double tolerance = 1e-7;  ///< mm: accepted error of an arc piece
   double longest = 1.0;     ///< mm: longest step
   double landing = 1e-5;    ///< mm: how far an end node may lie from the arc that ends there
@@ -37,10 +36,13 @@ struct TracedArc {
   }
 };
 
+inline constexpr std::size_t kNoTwin = static_cast<std::size_t>(-1);
+
 /// Follows the section z = const of a surface from `start` along z x n until it meets one of `targets` (points of the
 /// same section, at any period); false and what was traced when it doesn't. `start` itself may be a target: then the
-/// arc runs once round. Steps end on the surface's knots, so that every piece is smooth.
+/// arc runs once round. The target number `twin` is the start's own node seen from the other side of a seam: it counts
+/// only once the arc has come round by a period. Steps end on the surface's knots, so that every piece is smooth.
 bool trace(const SectionSurface& surface, double sign, const SectionPoint& start, std::span<const SectionPoint> targets,
-           const TraceLimits& limits, TracedArc& arc);
+           const TraceLimits& limits, TracedArc& arc, std::size_t twin = kNoTwin);
 
 }  // namespace lamella::span

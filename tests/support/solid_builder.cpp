@@ -3,70 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
-#include <type_traits>
+
+#include "tests/support/transform_scene.h"
 
 namespace lamella::test {
 
 namespace {
 
 constexpr double kEdgeTolerance = 1e-7;
-
-template <int Dim, int From, class MapPoint, class MapVector>
-Curve<Dim> map_curve(const Curve<From>& curve, const MapPoint& point, const MapVector& vector) {
-  return std::visit(
-      [&](const auto& c) -> Curve<Dim> {
-        using T = std::decay_t<decltype(c)>;
-        if constexpr (std::is_same_v<T, Line<From>>) {
-          return Line<Dim>{point(c.origin), vector(c.direction)};
-        } else if constexpr (std::is_same_v<T, Ellipse<From>>) {
-          return Ellipse<Dim>{point(c.center), vector(c.major), vector(c.minor)};
-        } else if constexpr (std::is_same_v<T, Parabola<From>>) {
-          return Parabola<Dim>{point(c.apex), vector(c.axis), vector(c.tangent)};
-        } else if constexpr (std::is_same_v<T, Hyperbola<From>>) {
-          return Hyperbola<Dim>{point(c.center), vector(c.major), vector(c.minor)};
-        } else {
-          BSplineCurve<Dim> result{c.degree, c.knots, {}, c.weights};
-          for (const auto& pole : c.poles) result.poles.push_back(point(pole));
-          return result;
-        }
-      },
-      curve);
-}
-
-Curve3 place(const Curve3& curve, const Placement& placement) {
-  return map_curve<3, 3>(
-      curve, [&](const Vec3& p) -> Vec3 { return placement.apply(p); },
-      [&](const Vec3& d) -> Vec3 { return placement.linear * d; });
-}
-
-Frame place(const Frame& frame, const Placement& placement) {
-  return {placement.apply(frame.origin), placement.linear * frame.x, placement.linear * frame.y,
-          placement.linear * frame.z};
-}
-
-Surface place(Surface surface, const Placement& placement) {
-  std::visit(
-      [&](auto& s) {
-        using T = std::decay_t<decltype(s)>;
-        if constexpr (requires { s.frame; }) {
-          s.frame = place(s.frame, placement);
-        } else if constexpr (std::is_same_v<T, Extrusion>) {
-          s.basis = place(s.basis, placement);
-          s.direction = placement.linear * s.direction;
-        } else if constexpr (std::is_same_v<T, Revolution>) {
-          s.meridian = place(s.meridian, placement);
-          s.axis_origin = placement.apply(s.axis_origin);
-          // The axis is a pseudovector: turning by u stays turning by u only if it flips with a mirror.
-          s.axis_direction = placement.linear * s.axis_direction * (placement.mirrors() ? -1.0 : 1.0);
-        } else if constexpr (std::is_same_v<T, BSplineSurface>) {
-          for (Vec3& pole : s.poles) pole = placement.apply(pole);
-        } else {
-          for (Vec3& pole : s.fit.poles) pole = placement.apply(pole);
-        }
-      },
-      surface);
-  return surface;
-}
 
 void extend(Box2& box, const Curve2& pcurve, Interval range) {
   if (const auto* line = std::get_if<Line<2>>(&pcurve)) {
@@ -175,7 +119,7 @@ class Entry {
       scene_.vertices.push_back({options_.placement.apply(point), kEdgeTolerance});
     }
     for (const EdgePlan& plan : plan_.edges) {
-      scene_.edges.push_back({place(plan.curve, options_.placement), plan.range, VertexId{first_vertex + plan.start},
+      scene_.edges.push_back({placed(plan.curve, options_.placement), plan.range, VertexId{first_vertex + plan.start},
                               VertexId{first_vertex + plan.end}, kEdgeTolerance, plan.degenerate, 0});
     }
   }
@@ -193,7 +137,7 @@ class Entry {
     const FaceId id{scene_.faces.size()};
     Face face;
     face.shell = shell;
-    face.surface = place(plan.surface, options_.placement);
+    face.surface = placed(plan.surface, options_.placement);
     face.same_sense = plan.same_sense != options_.placement.mirrors();
     face.loops = {LoopId{scene_.loops.size()}, static_cast<std::uint32_t>(plan.loops.size())};
     face.tolerance = kEdgeTolerance;

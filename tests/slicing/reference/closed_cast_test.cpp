@@ -8,98 +8,20 @@
 #include <random>
 
 #include "slicing/reference/reference_engine.h"
+#include "tests/support/closed_forms.h"
 #include "tests/support/solids.h"
 
 namespace lamella {
 namespace {
 
+using test::box_spans;
+using test::cylinder_spans;
+using test::ExactSpans;
+using test::frustum_spans;
 using test::Placement;
+using test::ring_spans;
 using test::SolidOptions;
-
-struct Interval1 {
-  double begin;
-  double end;
-};
-/// The exact spans of a line, ascending.
-using ExactSpans = std::function<std::vector<Interval1>(const Ray&)>;
-
-/// Roots of a t^2 + 2 b t + c = 0 as an interval where it is negative.
-std::vector<Interval1> below_zero(double a, double b, double c) {
-  const double discriminant = b * b - a * c;
-  if (discriminant <= 0.0) return {};
-  const double root = std::sqrt(discriminant);
-  return {{(-b - root) / a, (-b + root) / a}};
-}
-
-std::vector<Interval1> intersect(const std::vector<Interval1>& spans, Interval1 with) {
-  std::vector<Interval1> result;
-  for (const Interval1& span : spans) {
-    const Interval1 both{std::max(span.begin, with.begin), std::min(span.end, with.end)};
-    if (both.begin < both.end) result.push_back(both);
-  }
-  return result;
-}
-
-/// Where lo <= o + t d < hi, the half-open slab.
-Interval1 slab(double o, double d, double lo, double hi) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  if (d == 0.0) return o >= lo && o < hi ? Interval1{-kInfinity, kInfinity} : Interval1{0.0, 0.0};
-  return {std::min((lo - o) / d, (hi - o) / d), std::max((lo - o) / d, (hi - o) / d)};
-}
-
-std::vector<Interval1> box_spans(const Ray& ray, const Vec3& lo, const Vec3& hi) {
-  std::vector<Interval1> spans{{-1e300, 1e300}};
-  for (int k = 0; k < 3; ++k) spans = intersect(spans, slab(ray.origin[k], ray.direction[k], lo[k], hi[k]));
-  return spans;
-}
-
-std::vector<Interval1> sphere_spans(const Ray& ray, double radius) {
-  return below_zero(1.0, ray.origin.dot(ray.direction), ray.origin.squaredNorm() - radius * radius);
-}
-
-std::vector<Interval1> cylinder_spans(const Ray& ray, double radius, double height) {
-  const Vec2 o = ray.origin.head<2>();
-  const Vec2 d = ray.direction.head<2>();
-  return intersect(below_zero(d.squaredNorm(), o.dot(d), o.squaredNorm() - radius * radius),
-                   slab(ray.origin.z(), ray.direction.z(), 0.0, height));
-}
-
-/// Cone with its base of `radius` at z = 0 and its apex at `height`, for rays that aren't steeper than its side.
-std::vector<Interval1> cone_spans(const Ray& ray, double radius, double height) {
-  const double slope = radius / height;
-  const Vec3 o = ray.origin - Vec3(0.0, 0.0, height);
-  const Vec3& d = ray.direction;
-  const double a = d.head<2>().squaredNorm() - slope * slope * d.z() * d.z();
-  const double b = o.head<2>().dot(d.head<2>()) - slope * slope * o.z() * d.z();
-  const double c = o.head<2>().squaredNorm() - slope * slope * o.z() * o.z();
-  return intersect(below_zero(a, b, c), slab(ray.origin.z(), d.z(), 0.0, height));
-}
-
-/// Torus about z by dense sampling of its quartic and bisection; good away from tangencies.
-std::vector<Interval1> torus_spans(const Ray& ray, double major, double minor) {
-  const auto value = [&](double t) {
-    const Vec3 p = ray.at(t);
-    const double ring = std::hypot(p.x(), p.y()) - major;
-    return ring * ring + p.z() * p.z() - minor * minor;
-  };
-  const double reach = ray.origin.norm() + major + minor + 1.0;
-  constexpr int kSteps = 20000;
-  std::vector<double> roots;
-  for (int k = 0; k < kSteps; ++k) {
-    double low = -reach + 2.0 * reach * k / kSteps;
-    double high = -reach + 2.0 * reach * (k + 1) / kSteps;
-    if ((value(low) < 0.0) == (value(high) < 0.0)) continue;
-    const bool negative = value(low) < 0.0;
-    for (int step = 0; step < 60; ++step) {
-      const double middle = 0.5 * (low + high);
-      ((value(middle) < 0.0) == negative ? low : high) = middle;
-    }
-    roots.push_back(low);
-  }
-  std::vector<Interval1> spans;
-  for (std::size_t k = 0; k + 1 < roots.size(); k += 2) spans.push_back({roots[k], roots[k + 1]});
-  return spans;
-}
+using test::sphere_spans;
 
 Ray random_ray(std::mt19937& random, double spread) {
   std::normal_distribution<double> normal;
@@ -108,7 +30,7 @@ Ray random_ray(std::mt19937& random, double spread) {
   return {through - 7.0 * direction, direction};
 }
 
-void expect_spans(const std::vector<Span>& spans, const std::vector<Interval1>& exact, double tolerance,
+void expect_spans(const std::vector<Span>& spans, const std::vector<Interval>& exact, double tolerance,
                   const Ray& ray) {
   const auto where = [&] {
     testing::Message message;
@@ -117,8 +39,8 @@ void expect_spans(const std::vector<Span>& spans, const std::vector<Interval1>& 
   };
   ASSERT_EQ(spans.size(), exact.size()) << where();
   for (std::size_t k = 0; k < spans.size(); ++k) {
-    EXPECT_NEAR(spans[k].begin, exact[k].begin, tolerance) << where();
-    EXPECT_NEAR(spans[k].end, exact[k].end, tolerance) << where();
+    EXPECT_NEAR(spans[k].begin, exact[k].lo, tolerance) << where();
+    EXPECT_NEAR(spans[k].end, exact[k].hi, tolerance) << where();
   }
 }
 
@@ -161,7 +83,7 @@ TEST(ClosedCast, AgreesWithTheCylinder) {
 
 TEST(ClosedCast, AgreesWithTheTorus) {
   expect_closed_form(
-      test::scene_of(test::add_torus, 1.2, 0.5), [](const Ray& ray) { return torus_spans(ray, 1.2, 0.5); }, 300);
+      test::scene_of(test::add_torus, 1.2, 0.5), [](const Ray& ray) { return ring_spans(ray, 1.2, 0.5, 0.5); }, 300);
 }
 
 TEST(ClosedCast, AgreesWithTheConeOnShallowRays) {
@@ -176,7 +98,7 @@ TEST(ClosedCast, AgreesWithTheConeOnShallowRays) {
     if (direction.head<2>().norm() < 0.9) continue;
     const Ray ray{Vec3(unit(random), unit(random), 1.0 + unit(random)) - 5.0 * direction, direction};
     engine.cast(ray, Vec3::UnitZ(), SolidId{0}, cast, counters);
-    expect_spans(cast.spans, cone_spans(ray, 1.0, 2.0), 1e-8, ray);
+    expect_spans(cast.spans, frustum_spans(ray, 1.0, 0.0, 2.0), 1e-8, ray);
   }
   EXPECT_EQ(counters.repaired_rays + counters.unclosed_rays + counters.uncertain_hits, 0U);
 }
@@ -186,10 +108,10 @@ TEST(ClosedCast, TakesAVoidOutOfItsBox) {
   expect_closed_form(
       scene,
       [](const Ray& ray) {
-        std::vector<Interval1> spans = box_spans(ray, {-1, -1, -1}, {1, 1, 1});
+        std::vector<Interval> spans = box_spans(ray, {-1, -1, -1}, {1, 1, 1});
         const auto hole = sphere_spans(ray, 0.5);
         if (hole.empty()) return spans;
-        return std::vector<Interval1>{{spans[0].begin, hole[0].begin}, {hole[0].end, spans[0].end}};
+        return std::vector<Interval>{{spans[0].lo, hole[0].lo}, {hole[0].hi, spans[0].hi}};
       },
       4000);
 }
@@ -288,7 +210,7 @@ void expect_lattice(const Scene& scene, const ExactSpans& exact, int n) {
     double length = 0.0;
     for (const Span& span : cast.spans) length += span.end - span.begin;
     double expected = 0.0;
-    for (const Interval1& span : exact(ray)) expected += span.end - span.begin;
+    for (const Interval& span : exact(ray)) expected += span.length();
     EXPECT_NEAR(length, expected, 2e-7) << ray.origin.transpose();
   });
   EXPECT_EQ(counters.tolerance_rays + counters.repaired_rays + counters.unclosed_rays + counters.uncertain_hits, 0U);
@@ -306,7 +228,7 @@ TEST(ClosedCast, DecidesALatticeAlongTheRimsOfACylinder) {
 
 TEST(ClosedCast, DecidesALatticeThroughTheApexOfACone) {
   expect_lattice(
-      test::scene_of(test::add_cone, 1.0, 1.25), [](const Ray& ray) { return cone_spans(ray, 1.0, 1.25); }, 8);
+      test::scene_of(test::add_cone, 1.0, 1.25), [](const Ray& ray) { return frustum_spans(ray, 1.0, 0.0, 1.25); }, 8);
 }
 
 TEST(ClosedCast, DecidesALatticeThroughTheSeamsOfATorus) {
@@ -314,14 +236,14 @@ TEST(ClosedCast, DecidesALatticeThroughTheSeamsOfATorus) {
   expect_lattice(
       test::scene_of(test::add_torus, 1.0, 0.5),
       [](const Ray& ray) {
-        if (std::abs(ray.origin.z()) >= 0.5 || std::abs(ray.origin.y()) >= 1.5) return std::vector<Interval1>{};
+        if (std::abs(ray.origin.z()) >= 0.5 || std::abs(ray.origin.y()) >= 1.5) return std::vector<Interval>{};
         const double z2 = ray.origin.z() * ray.origin.z();
         const double outer = 1.0 + std::sqrt(0.25 - z2);
         const double inner = 1.0 - std::sqrt(0.25 - z2);
         const double y2 = ray.origin.y() * ray.origin.y();
         const double a = std::sqrt(std::max(0.0, outer * outer - y2));
         const double b = std::sqrt(std::max(0.0, inner * inner - y2));
-        return std::vector<Interval1>{{-a, -b}, {b, a}};
+        return std::vector<Interval>{{-a, -b}, {b, a}};
       },
       8);
 }

@@ -1,0 +1,183 @@
+/// The kernels that find rows on arcs: right by bisection in extended precision, and the same bytes on every level of
+/// the architecture that this machine runs.
+
+#include "slicing/span/depth_kernel.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <gtest/gtest.h>
+#include <random>
+#include <span>
+#include <vector>
+
+namespace lamella::span {
+namespace {
+
+using Quintic = std::array<double, 6>;
+
+long double value_at(const Quintic& c, long double t) {
+  long double sum = 0.0L;
+  for (std::size_t i = c.size(); i-- > 0;) sum = sum * t + c[i];
+  return sum;
+}
+
+/// An arc over which y runs one way, with rows on it and beyond its ends.
+struct Stretch {
+  Quintic x;
+  Quintic y;
+  double begin = 0.0;
+  double end = 1.0;
+  std::vector<double> rows;
+
+  [[nodiscard]] DepthTask task() const { return {x.data(), y.data(), begin, end}; }
+};
+
+/// y' = a square times a positive factor, so that y is monotone and may turn flat inside or at an end.
+Stretch random_stretch(std::mt19937_64& random) {
+  const auto real = [&](double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(random); };
+  Stretch stretch;
+  for (double& c : stretch.x) c = real(-1.0, 1.0);
+  const double at = real(-0.3, 1.3);
+  const double lift = random() % 3 == 0 ? 0.0 : real(0.0, 1.0);
+  const double tilt = real(-0.9, 0.9);
+  const double scale = real(-1.0, 1.0) * std::exp2(real(-12.0, 6.0));
+  // (lift + (t - at)^2) (1 + tilt t), integrated.
+  const double b0 = lift + at * at, b1 = -2.0 * at, b2 = 1.0;
+  const std::array<double, 4> slope{b0, b1 + tilt * b0, b2 + tilt * b1, tilt * b2};
+  stretch.y = {real(-100.0, 100.0)};
+  for (std::size_t i = 0; i < 4; ++i) stretch.y[i + 1] = scale * slope[i] / static_cast<double>(i + 1);
+  if (random() % 2 == 0) {
+    stretch.begin = real(0.0, 0.5);
+    stretch.end = real(0.5, 1.0);
+  }
+  const auto from = static_cast<double>(value_at(stretch.y, stretch.begin));
+  const auto to = static_cast<double>(value_at(stretch.y, stretch.end));
+  stretch.rows.resize(random() % 200);
+  for (double& row : stretch.rows) row = from + (to - from) * real(-0.05, 1.05);
+  std::sort(stretch.rows.begin(), stretch.rows.end());
+  return stretch;
+}
+
+/// Parameter at which y reaches `row`, clamped to the stretch.
+long double find_parameter(const Stretch& stretch, long double row) {
+  long double lo = stretch.begin;
+  long double hi = stretch.end;
+  const bool rises = value_at(stretch.y, lo) < value_at(stretch.y, hi);
+  for (int i = 0; i < 80; ++i) {
+    const long double middle = 0.5L * (lo + hi);
+    ((value_at(stretch.y, middle) < row) == rises ? lo : hi) = middle;
+  }
+  return 0.5L * (lo + hi);
+}
+
+std::span<const DepthKernel> all_kernels() {
+  const DepthKernel* list = nullptr;
+  const std::size_t count = depth_kernels(&list);
+  return {list, count};
+}
+
+constexpr double kResidual = 1e-9;  ///< mm
+
+TEST(DepthKernel, FindsEveryRowOfRandomStretches) {
+  for (const DepthKernel& kernel : all_kernels()) {
+    std::mt19937_64 random(1);
+    for (int k = 0; k < 2000; ++k) {
+      const Stretch stretch = random_stretch(random);
+      std::vector<double> xs(stretch.rows.size());
+      const std::size_t failed = kernel.solve(stretch.task(), stretch.rows.data(), xs.size(), kResidual, xs.data());
+      EXPECT_EQ(failed, 0U) << kernel.level;
+      for (std::size_t i = 0; i < xs.size(); ++i) {
+        // What a row within the residual has, plus rounding.
+        const long double first = find_parameter(stretch, stretch.rows[i] - 2.0 * kResidual);
+        const long double last = find_parameter(stretch, stretch.rows[i] + 2.0 * kResidual);
+        const long double exact = value_at(stretch.x, find_parameter(stretch, stretch.rows[i]));
+        // |x'| is at most 15 for coefficients within 1.
+        const long double bound = 15.0L * std::abs(last - first) + 1e-12L;
+        ASSERT_LE(std::abs(xs[i] - exact), bound) << kernel.level << " stretch " << k << " row " << i;
+      }
+    }
+  }
+}
+
+TEST(DepthKernel, GivesTheEndForRowsBeyondTheStretch) {
+  const Stretch stretch{{1.0, 2.0, 0, 0, 0, 0}, {5.0, -3.0, 0, 0, 0, 0}, 0.25, 0.75, {}};
+  const std::array<double, 4> rows{-1e3, 5.0 - 0.75 * 3.0 - 1e-3, 5.0 - 0.25 * 3.0 + 1e-3, 1e3};
+  for (const DepthKernel& kernel : all_kernels()) {
+    std::array<double, 4> xs{};
+    EXPECT_EQ(kernel.solve(stretch.task(), rows.data(), rows.size(), kResidual, xs.data()), 0U);
+    EXPECT_EQ(xs, (std::array<double, 4>{2.5, 2.5, 1.5, 1.5})) << kernel.level;
+  }
+}
+
+TEST(DepthKernel, FindsRowsOnRoundSections) {
+  // The circle of radius 2 about (1, 3).
+  for (const DepthKernel& kernel : all_kernels()) {
+    const std::array<double, 6> rows{1.0, 1.0 + 1e-9, 2.0, 3.0, 4.5, 5.0};
+    for (const double side : {-1.0, 1.0}) {
+      std::array<double, 6> xs{};
+      kernel.round({1.0, 3.0, 2.0, 0.0, side * 2.0}, rows.data(), rows.size(), xs.data());
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        const double half = std::sqrt((2.0 - (rows[i] - 3.0)) * (2.0 + (rows[i] - 3.0)));
+        EXPECT_NEAR(xs[i], 1.0 + side * half, 1e-8) << kernel.level << " row " << rows[i];
+      }
+    }
+  }
+}
+
+TEST(DepthKernel, BlendsPolynomialsOfDegreeFour) {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> real(-1.0, 1.0);
+  for (const std::size_t count : {0U, 1U, 7U, 64U, 131U}) {
+    std::vector<double> coefficients(5 * count);
+    for (double& c : coefficients) c = real(random);
+    for (const DepthKernel& kernel : all_kernels()) {
+      std::vector<double> sums(count, -1.0);
+      kernel.blend(coefficients.data(), count, 0.3, sums.data());
+      for (std::size_t i = 0; i < count; ++i) {
+        long double sum = 0.0L;
+        for (std::size_t power = 5; power-- > 0;) sum = sum * 0.3L + coefficients[power * count + i];
+        EXPECT_NEAR(sums[i], static_cast<double>(sum), 1e-14) << kernel.level;
+      }
+    }
+  }
+}
+
+/// Everything the kernel gives for many random tasks, as one run of numbers.
+std::vector<double> results_of(const DepthKernel& kernel) {
+  std::mt19937_64 random(7);
+  std::vector<double> all;
+  for (int k = 0; k < 3000; ++k) {
+    const Stretch stretch = random_stretch(random);
+    std::vector<double> xs(stretch.rows.size());
+    all.push_back(
+        static_cast<double>(kernel.solve(stretch.task(), stretch.rows.data(), xs.size(), kResidual, xs.data())));
+    all.insert(all.end(), xs.begin(), xs.end());
+    kernel.round({stretch.x[0], stretch.y[0], std::abs(stretch.y[1]), stretch.x[1], stretch.x[2]}, stretch.rows.data(),
+                 xs.size(), xs.data());
+    all.insert(all.end(), xs.begin(), xs.end());
+    const std::size_t count = stretch.rows.size() / 5;
+    xs.resize(count);
+    kernel.blend(stretch.rows.data(), count, stretch.x[0], xs.data());
+    all.insert(all.end(), xs.begin(), xs.end());
+  }
+  return all;
+}
+
+TEST(DepthKernel, GivesTheSameBytesOnEveryLevel) {
+  const std::span<const DepthKernel> kernels = all_kernels();
+  ASSERT_FALSE(kernels.empty());
+  const std::vector<double> expected = results_of(kernels.front());
+  EXPECT_GT(expected.size(), 100'000U);
+  for (const DepthKernel& kernel : kernels.subspan(1)) {
+    const std::vector<double> found = results_of(kernel);
+    ASSERT_EQ(found.size(), expected.size());
+    EXPECT_EQ(std::memcmp(found.data(), expected.data(), found.size() * sizeof(double)), 0) << kernel.level;
+  }
+}
+
+TEST(DepthKernel, ChoosesTheLastThatTheMachineRuns) { EXPECT_STREQ(depth_kernel().level, all_kernels().back().level); }
+
+}  // namespace
+}  // namespace lamella::span
