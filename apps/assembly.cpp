@@ -1,6 +1,7 @@
 #include "apps/assembly.h"
 
 #include "model/step/read_step.h"
+#include "slicing/slicer.h"
 
 namespace lamella::apps {
 
@@ -40,9 +41,7 @@ std::string status_word(const SolidInfo& solid) {
   return solid.closed ? "ok" : "open";
 }
 
-bool is_sliceable(const SolidInfo& solid) {
-  return solid.closed && solid.status != SolidStatus::open && solid.status != SolidStatus::empty;
-}
+bool is_sliceable(const SolidInfo& solid) { return is_closed(solid) && solid.status != SolidStatus::empty; }
 
 void require_solid(const Scene& scene, bool allow_open) {
   std::string paths;

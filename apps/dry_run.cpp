@@ -8,7 +8,9 @@
 #include "apps/slice_report.h"
 #include "apps/stopwatch.h"
 #include "apps/table.h"
+#include "apps/timed_sink.h"
 #include "core/error.h"
+#include "core/parallel.h"
 
 namespace lamella::apps {
 
@@ -64,56 +66,87 @@ double bytes_in(const fs::path& path) {
   return bytes;
 }
 
-/// Runs one block and adds what it took.
-void run_block(const Session& session, const SliceRequest& request, const Assembly& assembly, const LayerPlan& block,
-               const CastFunction& cast, Estimate& sum) {
-  const ScratchFolder scratch;
-  TeeSink tee;
-  std::vector<fs::path> places;
-  for (const Output& output : request.outputs) {
-    places.push_back(scratch.path() / (output.format + ".out"));
-    tee.add(make_sink({output.format, places.back()}, request.format));
+/// Slices blocks of layers and adds up what they took.
+class Sampler {
+ public:
+  Sampler(const Session& session, const SliceRequest& request, const Assembly& assembly, const SlabEngine& engine)
+      : session_(session), request_(request), assembly_(assembly), engine_(engine) {
+    for (const Output& output : request.outputs) estimate_.outputs.push_back({output, 0.0});
   }
-  const Stopwatch watch;
-  (void)slice_with(cast, assembly.scene, assembly.table, assembly.measures, block, request.slice, tee,
-                   session.progress());
-  sum.seconds += watch.seconds();
-  sum.sampled_layers += block.layers.size();
-  for (std::size_t i = 0; i < places.size(); ++i) sum.outputs[i].bytes += bytes_in(places[i]);
-}
+
+  void run(const LayerPlan& block) {
+    const ScratchFolder scratch;
+    TeeSink tee;
+    std::vector<fs::path> places;
+    for (const Output& output : request_.outputs) {
+      places.push_back(scratch.path() / (output.format + ".out"));
+      tee.add(make_sink({output.format, places.back()}, request_.format));
+    }
+    TimedSink timed(tee);
+    const Stopwatch watch;
+    (void)slice_with(engine_, assembly_.scene, assembly_.table, assembly_.measures, block, request_.slice, timed,
+                     session_.progress());
+    seconds_ += watch.seconds();
+    writing_ += timed.seconds();
+    is_one_slab_ = block.layers.size() <= engine_.slab_layers;
+    estimate_.sampled_layers += block.layers.size();
+    for (std::size_t i = 0; i < places.size(); ++i) estimate_.outputs[i].bytes += bytes_in(places[i]);
+  }
+
+  [[nodiscard]] Estimate scale_to(std::size_t layers) const {
+    Estimate out = estimate_;
+    const double scale = static_cast<double>(layers) / static_cast<double>(out.sampled_layers);
+    out.seconds = scale * seconds_at_work(layers);
+    out.memory_bytes = static_cast<double>(peak_memory());
+    for (Estimate::Bytes& entry : out.outputs) {
+      entry.bytes *= scale;
+      if (entry.output.format == "vdb") out.memory_bytes += kVdbMemoryPerByte * entry.bytes;
+    }
+    return out;
+  }
+
+ private:
+  /// A block of one slab is cut by one thread and then written; a run cuts slabs on all threads and writes beside it.
+  [[nodiscard]] double seconds_at_work(std::size_t layers) const {
+    if (!is_one_slab_ || engine_.slab_layers == 1) return seconds_;
+    const std::size_t slabs = (layers + engine_.slab_layers - 1) / engine_.slab_layers;
+    const std::size_t workers = std::min<std::size_t>(slabs, count_threads(request_.slice.threads));
+    return std::max(writing_, (seconds_ - writing_) / static_cast<double>(workers));
+  }
+
+  const Session& session_;
+  const SliceRequest& request_;
+  const Assembly& assembly_;
+  const SlabEngine& engine_;
+  Estimate estimate_;
+  double seconds_ = 0.0;
+  double writing_ = 0.0;
+  bool is_one_slab_ = false;
+};
 
 /// Blocks of up to `count` layers around 1/6, 1/2 and 5/6 of the height, or all layers when they are that few.
-Estimate run_sample(const Session& session, const SliceRequest& request, const Assembly& assembly,
-                    const LayerPlan& plan, const CastFunction& cast, std::size_t count) {
-  Estimate estimate;
-  for (const Output& output : request.outputs) estimate.outputs.push_back({output, 0.0});
+Estimate run_sample(Sampler sampler, const LayerPlan& plan, std::size_t count) {
   const std::size_t layers = plan.layers.size();
   if (layers <= kBlocks * count) {
-    run_block(session, request, assembly, plan, cast, estimate);
+    sampler.run(plan);
   } else {
     for (std::size_t b = 0; b < kBlocks; ++b) {
       const std::size_t first = (2 * b + 1) * layers / (2 * kBlocks) - count / 2;
-      run_block(session, request, assembly, block_plan(plan, first, count), cast, estimate);
+      sampler.run(block_plan(plan, first, count));
     }
   }
-  const double scale = static_cast<double>(layers) / static_cast<double>(estimate.sampled_layers);
-  estimate.seconds *= scale;
-  estimate.memory_bytes = static_cast<double>(peak_memory());
-  for (Estimate::Bytes& entry : estimate.outputs) {
-    entry.bytes *= scale;
-    if (entry.output.format == "vdb") estimate.memory_bytes += kVdbMemoryPerByte * entry.bytes;
-  }
-  return estimate;
+  return sampler.scale_to(layers);
 }
 
 }  // namespace
 
 Estimate estimate_run(const Session& session, const SliceRequest& request, const Assembly& assembly,
-                      const LayerPlan& plan, const CastFunction& cast) {
+                      const LayerPlan& plan, const SlabEngine& engine) {
   const Stopwatch watch;
-  Estimate first = run_sample(session, request, assembly, plan, cast, kFewLayers);
+  const Sampler sampler(session, request, assembly, engine);
+  Estimate first = run_sample(sampler, plan, kFewLayers);
   if (watch.seconds() > kPatience || first.sampled_layers == plan.layers.size()) return first;
-  return run_sample(session, request, assembly, plan, cast, kManyLayers);
+  return run_sample(sampler, plan, kManyLayers);
 }
 
 Json estimate_json(const Estimate& estimate, const LayerPlan& plan) {

@@ -21,10 +21,10 @@ struct Estimate {
   std::vector<Bytes> outputs;
 };
 
-/// Slices evenly spread blocks of layers with `cast`, writes every output of the request beside them, and scales up.
+/// Slices evenly spread blocks of layers with `engine`, writes every output of the request beside them, and scales up.
 /// Leaves nothing behind.
 [[nodiscard]] Estimate estimate_run(const Session& session, const SliceRequest& request, const Assembly& assembly,
-                                    const LayerPlan& plan, const CastFunction& cast);
+                                    const LayerPlan& plan, const SlabEngine& engine);
 
 [[nodiscard]] Json estimate_json(const Estimate& estimate, const LayerPlan& plan);
 [[nodiscard]] std::string estimate_text(const Estimate& estimate);

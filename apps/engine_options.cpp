@@ -36,25 +36,29 @@ double read_length(const CLI::App& verb, const char* option, double fallback) {
 
 }  // namespace
 
-void add_engine_options(CLI::App& verb) {
-  add_value(verb, "--engine", "reference (the default) or span", "ENGINE");
+void add_engine_options(CLI::App& verb, const std::string& fallback) {
+  add_value(verb, "--engine", "span or reference (default: " + fallback + ")", "ENGINE");
   add_value(verb, "--solver", "of the reference engine: certified (the default), bisection or newton", "SOLVER");
   add_value(verb, "--tolerance", "success criterion of bisection and newton (default 0.01)", "MM");
   add_value(verb, "--subdivision", "flatness at which refinement stops (default 0.1)", "MM");
 }
 
-ReferenceOptions read_engine_options(const CLI::App& verb) {
-  constexpr std::array<std::pair<const char*, bool>, 2> kEngines{{{"reference", false}, {"span", true}}};
-  if (choose(verb, "--engine", kEngines, false)) {
-    throw UsageError("the span engine isn't there yet", "--engine", "use --engine reference, or leave it out");
-  }
+EngineChoice read_engine_options(const CLI::App& verb) {
+  EngineChoice choice;
+  constexpr std::array<std::pair<const char*, EngineKind>, 2> kEngines{
+      {{"span", EngineKind::span}, {"reference", EngineKind::reference}}};
+  if (given(verb, "--engine")) choice.engine = choose(verb, "--engine", kEngines, EngineKind::span);
   constexpr std::array<std::pair<const char*, Solver>, 3> kSolvers{
       {{"certified", Solver::certified}, {"bisection", Solver::bisection}, {"newton", Solver::newton}}};
-  ReferenceOptions options;
-  options.solver = choose(verb, "--solver", kSolvers, options.solver);
-  options.tolerance = read_length(verb, "--tolerance", options.tolerance);
-  options.subdivision = read_length(verb, "--subdivision", options.subdivision);
-  return options;
+  choice.reference.solver = choose(verb, "--solver", kSolvers, choice.reference.solver);
+  choice.reference.tolerance = read_length(verb, "--tolerance", choice.reference.tolerance);
+  choice.reference.subdivision = read_length(verb, "--subdivision", choice.reference.subdivision);
+  if (choice.engine == EngineKind::reference) return choice;
+  for (const char* option : {"--solver", "--tolerance", "--subdivision"}) {
+    if (!given(verb, option)) continue;
+    throw UsageError(std::string(option) + " is of the reference engine", option, "add --engine reference");
+  }
+  return choice;
 }
 
 void add_overlap_option(CLI::App& verb) {

@@ -10,11 +10,10 @@
 #include "apps/assembly.h"
 #include "apps/engine_options.h"
 #include "apps/options.h"
+#include "apps/ray_caster.h"
 #include "apps/table.h"
 #include "apps/verbs.h"
 #include "core/parallel.h"
-#include "slicing/combine.h"
-#include "slicing/reference/reference_engine.h"
 
 namespace lamella::apps {
 
@@ -25,15 +24,8 @@ struct RayOptions {
   std::optional<std::string> materials;
   std::optional<Ray> ray;
   std::optional<std::string> rays;  ///< file of rays, "-" for stdin
-  ReferenceOptions engine;
+  EngineChoice engine;
   OverlapPolicy policy = OverlapPolicy::priority;
-};
-
-/// All that one ray met.
-struct RayResult {
-  std::vector<SolidCast> casts;
-  std::vector<Segment> segments;
-  CastCounters counters;
 };
 
 const char* word_of(Sense sense) {
@@ -62,51 +54,15 @@ Ray make_ray(const Vec3& from, const Vec3& direction, const std::string& where) 
   return {from, direction / length};
 }
 
-/// The side to which ties are decided: up for horizontal rays, as when slicing; any normal for the rest.
-Vec3 up_of(const Ray& ray) {
-  if (ray.direction.z() == 0.0) return Vec3::UnitZ();
-  const Vec3 aside = std::abs(ray.direction.x()) < 0.9 ? Vec3::UnitX() : Vec3::UnitY();
-  return ray.direction.cross(aside).normalized();
-}
-
-/// Casts rays at one assembly; may be used from several threads at once.
-class RayCaster {
- public:
-  RayCaster(const Assembly& assembly, const ReferenceEngine& engine, OverlapPolicy policy)
-      : engine_(engine), table_(assembly.table) {
-    table_.policy = policy;
-    rules_.table = &table_;
-    rules_.rank = rank_solids(assembly.scene, table_, assembly.measures);
-  }
-
-  [[nodiscard]] RayResult cast(const Ray& ray) const {
-    RayResult result;
-    engine_.cast_all(ray, up_of(ray), result.casts, result.counters);
-    std::vector<Span> spans;
-    for (const SolidCast& cast : result.casts) spans.insert(spans.end(), cast.spans.begin(), cast.spans.end());
-    CombinedRow row;
-    combine_row(spans, rules_, row);
-    result.segments = std::move(row.segments);
-    return result;
-  }
-
- private:
-  const ReferenceEngine& engine_;
-  MaterialTable table_;
-  CombineRules rules_;
-};
-
-/// Hits of all solids in ascending order.
-std::vector<Hit> sorted_hits(const RayResult& result) {
-  std::vector<Hit> hits;
-  for (const SolidCast& cast : result.casts) hits.insert(hits.end(), cast.hits.begin(), cast.hits.end());
-  std::stable_sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) { return a.t < b.t; });
-  return hits;
+/// The span engine cuts layers, and so knows horizontal rays only.
+void require_engine_for(const Ray& ray, const EngineChoice& choice, const std::string& where) {
+  if (choice.engine != EngineKind::span || ray.direction.z() == 0.0) return;
+  throw UsageError("the span engine takes horizontal rays only", where, "use --engine reference, or leave it out");
 }
 
 Json ray_json(const Assembly& assembly, const Ray& ray, const RayResult& result) {
   Json hits = Json::array();
-  for (const Hit& hit : sorted_hits(result)) {
+  for (const Hit& hit : result.hits) {
     const Face& face = assembly.scene.faces[hit.face];
     hits.push_back({{"t", hit.t},
                     {"point", json_of(ray.at(hit.t))},
@@ -118,10 +74,8 @@ Json ray_json(const Assembly& assembly, const Ray& ray, const RayResult& result)
                     {"uncertain", (hit.flags & kUncertain) != 0}});
   }
   Json spans = Json::array();
-  for (const SolidCast& cast : result.casts) {
-    for (const Span& span : cast.spans) {
-      spans.push_back({{"solid", span.solid.value()}, {"t_in", span.begin}, {"t_out", span.end}});
-    }
+  for (const Span& span : result.spans) {
+    spans.push_back({{"solid", span.solid.value()}, {"t_in", span.begin}, {"t_out", span.end}});
   }
   Json segments = Json::array();
   for (const Segment& segment : result.segments) {
@@ -141,7 +95,7 @@ Json ray_json(const Assembly& assembly, const Ray& ray, const RayResult& result)
 std::string ray_text(const Assembly& assembly, const Ray& ray, const RayResult& result) {
   const Scene& scene = assembly.scene;
   TextTable hits({{"t [mm]", true}, {"point [mm]"}, {"sense"}, {"face"}, {"solid"}});
-  for (const Hit& hit : sorted_hits(result)) {
+  for (const Hit& hit : result.hits) {
     const Vec3 point = ray.at(hit.t);
     const int entity = scene.faces[hit.face].step_entity;
     hits.add({fmt::format("{:.9g}", hit.t), fmt::format("{:.6g}, {:.6g}, {:.6g}", point.x(), point.y(), point.z()),
@@ -157,7 +111,7 @@ std::string ray_text(const Assembly& assembly, const Ray& ray, const RayResult& 
 }
 
 /// Six numbers with blanks between: a point and a direction.
-Ray parse_ray_line(const std::string& line, const std::string& where) {
+Ray parse_ray_line(const std::string& line, const EngineChoice& choice, const std::string& where) {
   std::array<double, 6> values{};
   const char* at = line.data();
   const char* const end = at + line.size();
@@ -175,21 +129,23 @@ Ray parse_ray_line(const std::string& line, const std::string& where) {
   skip_blanks();
   if (at != end) throw InputError("more than six numbers, or no number", where, "write x y z dx dy dz");
   try {
-    return make_ray({values[0], values[1], values[2]}, {values[3], values[4], values[5]}, where);
+    const Ray ray = make_ray({values[0], values[1], values[2]}, {values[3], values[4], values[5]}, where);
+    require_engine_for(ray, choice, where);
+    return ray;
   } catch (const UsageError& error) {
     throw InputError(error.what(), where, error.hint());
   }
 }
 
 /// Reads up to `count` rays; an empty batch means the end.
-std::vector<Ray> read_batch(std::istream& stream, const std::string& name, std::size_t count,
-                            std::size_t& line_number) {
+std::vector<Ray> read_batch(std::istream& stream, const std::string& name, const EngineChoice& choice,
+                            std::size_t count, std::size_t& line_number) {
   std::vector<Ray> rays;
   std::string line;
   while (rays.size() < count && std::getline(stream, line)) {
     ++line_number;
     if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
-    rays.push_back(parse_ray_line(line, name + ":" + std::to_string(line_number)));
+    rays.push_back(parse_ray_line(line, choice, name + ":" + std::to_string(line_number)));
   }
   return rays;
 }
@@ -199,7 +155,8 @@ bool is_trustworthy(const RayResult& result) {
   return result.counters.unclosed_rays + result.counters.repaired_rays + result.counters.uncertain_hits == 0;
 }
 
-ExitCode cast_file(const Session& session, const Assembly& assembly, const RayCaster& caster, const std::string& name) {
+ExitCode cast_file(const Session& session, const RayOptions& options, const Assembly& assembly, RayCaster& caster) {
+  const std::string& name = *options.rays;
   std::ifstream file;
   if (name != "-") file.open(name);
   const bool is_readable = name == "-" || (file && !std::filesystem::is_directory(name));
@@ -211,8 +168,9 @@ ExitCode cast_file(const Session& session, const Assembly& assembly, const RayCa
   std::size_t line_number = 0;
   std::size_t ray_number = 0;
   for (;;) {
-    const std::vector<Ray> rays = read_batch(stream, name, kBatch, line_number);
+    const std::vector<Ray> rays = read_batch(stream, name, options.engine, kBatch, line_number);
     if (rays.empty()) break;
+    caster.prepare(rays);
     std::vector<RayResult> results(rays.size());
     parallel_for(
         rays.size(),
@@ -236,9 +194,9 @@ ExitCode cast_file(const Session& session, const Assembly& assembly, const RayCa
 ExitCode run(const Session& session, const RayOptions& options) {
   Assembly assembly = read_assembly(session, options.files, options.materials);
   measure_assembly(session, assembly);
-  const ReferenceEngine engine(assembly.scene, options.engine, session.progress(), session.threads());
-  const RayCaster caster(assembly, engine, options.policy);
-  if (options.rays) return cast_file(session, assembly, caster, *options.rays);
+  RayCaster caster(session, assembly, options.engine, options.policy);
+  if (options.rays) return cast_file(session, options, assembly, caster);
+  caster.prepare(std::span(&*options.ray, 1));
   const RayResult result = caster.cast(*options.ray);
   if (session.json()) session.print(ray_json(assembly, *options.ray, result));
   session.print(ray_text(assembly, *options.ray, result));
@@ -261,6 +219,7 @@ RayOptions read_options(const CLI::App& verb, const std::vector<std::string>& fi
   }
   if (!from || !direction) throw UsageError("a ray needs --from and --dir", {}, "or --rays FILE for many");
   options.ray = make_ray(parse_vector("--from", *from), parse_vector("--dir", *direction), "--dir");
+  require_engine_for(*options.ray, options.engine, "--dir");
   return options;
 }
 
@@ -275,7 +234,7 @@ void add_ray(CLI::App& program, CommonOptions& common, Action& action) {
   add_value(*verb, "--rays", "many rays, one a line: x y z dx dy dz; - reads stdin", "FILE");
   add_value(*verb, "--materials", "materials and their rules (default: what the STEP file says)", "M.xml");
   add_overlap_option(*verb);
-  add_engine_options(*verb);
+  add_engine_options(*verb, "span for horizontal rays, reference for the rest");
   add_common(*verb, common);
   verb->footer(
       "Examples:\n"

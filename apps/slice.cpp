@@ -7,6 +7,7 @@
 #include "apps/slice_options.h"
 #include "apps/slice_report.h"
 #include "apps/stopwatch.h"
+#include "apps/timed_sink.h"
 #include "apps/verbs.h"
 #include "core/atomic_file.h"
 #include "slicing/slicer.h"
@@ -18,34 +19,6 @@ namespace {
 /// Solids that are left out count for the lattice too, so that it doesn't depend on --allow-open; but not where a
 /// broken one claims to be larger than 1000 km.
 constexpr double kFarthest = 1e9;  // mm
-
-/// Adds up the time that another sink takes. Calls don't overlap (LayerSink).
-class TimedSink final : public LayerSink {
- public:
-  explicit TimedSink(LayerSink& sink) : sink_(sink) {}
-  void begin(const BuildInfo& info) override {
-    timed([&] { sink_.begin(info); });
-  }
-  void write(const Layer& layer) override {
-    timed([&] { sink_.write(layer); });
-  }
-  void finish(const SliceReport& report) override {
-    timed([&] { sink_.finish(report); });
-  }
-  void abandon() noexcept override { sink_.abandon(); }
-
-  [[nodiscard]] double seconds() const { return seconds_; }
-
- private:
-  void timed(const auto& call) {
-    const Stopwatch watch;
-    call();
-    seconds_ += watch.seconds();
-  }
-
-  LayerSink& sink_;
-  double seconds_ = 0.0;
-};
 
 Box3 bounds_of(const Assembly& assembly) {
   Box3 bounds;
@@ -81,12 +54,12 @@ void write_run_file(const Session& session, const SliceRequest& request, const T
 }
 
 SliceReport run_slicer(const Session& session, const SliceRequest& request, const Assembly& assembly,
-                       const LayerPlan& plan, const CastFunction& cast, Timing& timing) {
+                       const LayerPlan& plan, const SlabEngine& engine, Timing& timing) {
   TeeSink tee;
   for (const Output& output : request.outputs) tee.add(make_sink(output, request.format));
   TimedSink timed(tee);
   const Stopwatch watch;
-  SliceReport report = slice_with(cast, assembly.scene, assembly.table, assembly.measures, plan, request.slice, timed,
+  SliceReport report = slice_with(engine, assembly.scene, assembly.table, assembly.measures, plan, request.slice, timed,
                                   session.progress());
   timing.slice = watch.seconds();
   timing.write = timed.seconds();
@@ -118,19 +91,17 @@ ExitCode run(const Session& session, const SliceRequest& request) {
   measure_assembly(session, assembly);
   const LayerPlan plan = plan_layers(bounds_of(assembly), request.plan);
   session.print(lattice_text(plan) + "\n");
-  const ReferenceEngine engine(assembly.scene, request.slice.reference, session.progress(), session.threads());
-  const CastFunction cast = [&engine](const Ray& ray, SolidId solid, SolidCast& out, CastCounters& counters) {
-    engine.cast(ray, Vec3::UnitZ(), solid, out, counters);
-  };
+  const std::vector<SolidId> solids = choose_solids(assembly.scene, assembly.measures, request.slice.allow_open);
+  const SlabEngine engine = make_engine(assembly.scene, assembly.measures, solids, request.slice, session.progress());
   timing.prepare = watch.lap();
 
   if (request.dry_run) {
-    const Estimate estimate = estimate_run(session, request, assembly, plan, cast);
+    const Estimate estimate = estimate_run(session, request, assembly, plan, engine);
     if (session.json()) session.print(estimate_json(estimate, plan));
     session.print(estimate_text(estimate));
     return ExitCode::ok;
   }
-  const SliceReport report = run_slicer(session, request, assembly, plan, cast, timing);
+  const SliceReport report = run_slicer(session, request, assembly, plan, engine, timing);
   timing.total = total.seconds();
   return finish(session, request, {assembly, plan, report, request.outputs, timing});
 }

@@ -77,7 +77,7 @@ void add_slice_options(CLI::App& verb) {
               format.starts_with("png") ? "DIR" : "FILE");
   }
   add_format_options(verb);
-  add_engine_options(verb);
+  add_engine_options(verb, "span");
   add_switch(verb, "--dry-run", "only say how many layers, rows and rays, and estimate time, memory and bytes");
 }
 
@@ -93,7 +93,9 @@ SliceRequest read_slice_request(const CLI::App& verb, const std::vector<std::str
   request.format = read_format_options(verb);
   request.plan = read_plan(verb);
   request.policy = read_overlap_policy(verb);
-  request.slice.reference = read_engine_options(verb);
+  const EngineChoice choice = read_engine_options(verb);
+  request.slice.engine = choice.engine.value_or(EngineKind::span);
+  request.slice.reference = choice.reference;
   request.slice.allow_open = verb.count("--allow-open") > 0;
   request.dry_run = verb.count("--dry-run") > 0;
   return request;

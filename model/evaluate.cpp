@@ -117,29 +117,11 @@ SurfacePoint2 at(const Torus& torus, const Vec2& uv) {
 }
 
 SurfacePoint2 at(const Extrusion& extrusion, const Vec2& uv) {
-  const CurvePoint2<3> base = evaluate2(extrusion.basis, uv[0]);
-  return {
-      {base.point + uv[1] * extrusion.direction, base.dt, extrusion.direction}, base.dtt, Vec3::Zero(), Vec3::Zero()};
+  return extrude(evaluate2(extrusion.basis, uv[0]), extrusion.direction, uv[1]);
 }
 
 SurfacePoint2 at(const Revolution& revolution, const Vec2& uv) {
-  const CurvePoint2<3> base = evaluate2(revolution.meridian, uv[1]);
-  const Vec3& axis = revolution.axis_direction;
-  const double c = std::cos(uv[0]);
-  const double s = std::sin(uv[0]);
-  // Rodrigues' rotation, its two arms kept apart for the derivatives by the angle.
-  const auto across = [&](const Vec3& p) -> Vec3 { return p - axis.dot(p) * axis; };
-  const auto rotated = [&](const Vec3& p) -> Vec3 { return axis.dot(p) * axis + c * across(p) + s * axis.cross(p); };
-  const auto onward = [&](const Vec3& p) -> Vec3 { return c * axis.cross(p) - s * across(p); };
-  const Vec3 arm = base.point - revolution.axis_origin;
-  SurfacePoint2 result;
-  result.point = revolution.axis_origin + rotated(arm);
-  result.du = onward(arm);
-  result.dv = rotated(base.dt);
-  result.duu = -(c * across(arm) + s * axis.cross(arm));
-  result.duv = onward(base.dt);
-  result.dvv = rotated(base.dtt);
-  return result;
+  return revolve(evaluate2(revolution.meridian, uv[1]), revolution, uv[0]);
 }
 
 /// Which derivative by u and by v each of the six sums of a surface evaluation holds.
@@ -208,6 +190,29 @@ SurfacePoint2 evaluate_order(const Surface& surface, const Vec2& uv, int order) 
 double period(const Curve3& curve) { return std::holds_alternative<Ellipse<3>>(curve) ? kTwoPi : 0.0; }
 
 }  // namespace
+
+SurfacePoint2 extrude(const CurvePoint2<3>& base, const Vec3& direction, double v) {
+  return {{base.point + v * direction, base.dt, direction}, base.dtt, Vec3::Zero(), Vec3::Zero()};
+}
+
+SurfacePoint2 revolve(const CurvePoint2<3>& base, const Revolution& revolution, double u) {
+  const Vec3& axis = revolution.axis_direction;
+  const double c = std::cos(u);
+  const double s = std::sin(u);
+  // Rodrigues' rotation, its two arms kept apart for the derivatives by the angle.
+  const auto across = [&](const Vec3& p) -> Vec3 { return p - axis.dot(p) * axis; };
+  const auto rotated = [&](const Vec3& p) -> Vec3 { return axis.dot(p) * axis + c * across(p) + s * axis.cross(p); };
+  const auto onward = [&](const Vec3& p) -> Vec3 { return c * axis.cross(p) - s * across(p); };
+  const Vec3 arm = base.point - revolution.axis_origin;
+  SurfacePoint2 result;
+  result.point = revolution.axis_origin + rotated(arm);
+  result.du = onward(arm);
+  result.dv = rotated(base.dt);
+  result.duu = -(c * across(arm) + s * axis.cross(arm));
+  result.duv = onward(base.dt);
+  result.dvv = rotated(base.dtt);
+  return result;
+}
 
 Vec3 evaluate_point(const Surface& surface, const Vec2& uv) { return evaluate_order(surface, uv, 0).point; }
 

@@ -50,6 +50,10 @@ extern template CurvePoint2<3> evaluate2<3>(const Curve<3>&, double);
 extern template CurvePoint<2> evaluate<2>(const Curve<2>&, double);
 extern template CurvePoint<3> evaluate<3>(const Curve<3>&, double);
 
+/// The point of an extrusion over a point of its basis, and of a revolution over a point of its meridian.
+[[nodiscard]] SurfacePoint2 extrude(const CurvePoint2<3>& base, const Vec3& direction, double v);
+[[nodiscard]] SurfacePoint2 revolve(const CurvePoint2<3>& base, const Revolution& revolution, double u);
+
 /// Periods in u and v, 0 where the surface isn't periodic.
 [[nodiscard]] Vec2 periods(const Surface& surface);
 

@@ -42,9 +42,16 @@ need_packages() {
     > /dev/null
 }
 
+# configure_into FOLDER OPTION... : configures a Release build there.
+configure_into() {
+  local folder=$1
+  shift
+  mkdir -p build
+  cmake --preset release -B "$folder" "$@" > build/configure.log 2>&1 || { tail -n 40 build/configure.log >&2; exit 1; }
+  sed -n '/^-- Lamella /,/^-- $/p' build/configure.log
+}
+
 # configure_release OPTION... : configures build/release.
 configure_release() {
-  mkdir -p build
-  cmake --preset release "$@" > build/configure.log 2>&1 || { tail -n 40 build/configure.log >&2; exit 1; }
-  sed -n '/^-- Lamella /,/^-- $/p' build/configure.log
+  configure_into build/release "$@"
 }

@@ -1,10 +1,10 @@
 #include "slicing/combine.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
-#include <tuple>
+#include <utility>
 
 #include "slicing/interface_policy.h"
 
@@ -12,99 +12,81 @@ namespace lamella {
 
 namespace {
 
-/// `value` to seven significant digits; what is not a number counts as infinitely large.
-double rounded_volume(double value) {
-  if (!std::isfinite(value)) return std::numeric_limits<double>::infinity();
-  if (value == 0.0) return 0.0;
-  const double unit = std::pow(10.0, std::floor(std::log10(std::abs(value))) - 6.0);
-  return std::round(value / unit) * unit;
-}
-
-/// Bounds as one sortable value; an empty or undefined box becomes zeros.
-std::array<double, 6> corners(const Box3& box) {
-  if (!box.min().allFinite() || !box.max().allFinite()) return {};
-  return {box.min().x(), box.min().y(), box.min().z(), box.max().x(), box.max().y(), box.max().z()};
-}
-
-/// A span's begin or end on the row.
-struct Event {
-  double x = 0.0;
-  std::uint32_t span = 0;
-  bool is_begin = false;
-};
-
-/// Walks the elementary intervals of a row from left to right.
-class RowSweep {
- public:
-  RowSweep(std::span<const Span> spans, const CombineRules& rules) : spans_(spans), rules_(rules) {
-    events_.reserve(2 * spans.size());
-    for (std::uint32_t i = 0; i < spans.size(); ++i) {
-      events_.push_back({spans[i].begin, i, true});
-      events_.push_back({spans[i].end, i, false});
-    }
-    std::sort(events_.begin(), events_.end(), [](const Event& a, const Event& b) { return a.x < b.x; });
-  }
-
-  /// Calls on_interval(x0, x1, active spans) for x0 < x1 with at least one active span, and on_gap(x0, x1, left, right)
-  /// for each uncovered interval between the spans of highest rank that end and begin there.
-  template <class OnInterval, class OnGap>
-  void run(const OnInterval& on_interval, const OnGap& on_gap) {
-    std::uint32_t last_ended = kNone;
-    double gap_begin = 0.0;
-    for (std::size_t i = 0; i < events_.size();) {
-      const double x = events_[i].x;
-      const bool was_empty = active_.empty();
-      std::uint32_t ended = kNone;
-      std::uint32_t begun = kNone;
-      for (; i < events_.size() && events_[i].x == x; ++i) apply(events_[i], begun, ended);
-      if (was_empty && last_ended != kNone && begun != kNone) on_gap(gap_begin, x, spans_[last_ended], spans_[begun]);
-      if (active_.empty()) {
-        last_ended = ended;
-        gap_begin = x;
-      } else {
-        on_interval(x, events_[i].x, std::span<const std::uint32_t>(active_));
-      }
-    }
-  }
-
-  [[nodiscard]] int rank(std::uint32_t span) const { return rules_.rank[spans_[span].solid]; }
-
- private:
-  static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-
-  void apply(const Event& event, std::uint32_t& begun, std::uint32_t& ended) {
-    std::uint32_t& best = event.is_begin ? begun : ended;
-    if (best == kNone || rank(event.span) > rank(best)) best = event.span;
-    if (event.is_begin) {
-      active_.push_back(event.span);
-    } else {
-      std::erase(active_, event.span);
-    }
-  }
-
-  std::span<const Span> spans_;
-  const CombineRules& rules_;
-  std::vector<Event> events_;
-  std::vector<std::uint32_t> active_;
-};
-
-/// Adds a run, merging it with a neighbour of equal material and solid.
-void append(std::vector<Segment>& segments, double begin, double end, MaterialId material, SolidId solid) {
-  if (!segments.empty()) {
-    Segment& last = segments.back();
-    if (last.x_end == begin && last.material == material && last.solid == solid) {
-      last.x_end = end;
-      return;
-    }
-  }
-  segments.push_back({begin, end, material, solid});
-}
+/// Comparisons are written so that NaN fails. An infinite end makes the length infinite or NaN.
+bool is_usable(const Span& span) { return span.begin < span.end && std::isfinite(span.end - span.begin); }
 
 void add_pair(std::vector<PairLength>& pairs, SolidId a, SolidId b, double length) {
   pairs.push_back({std::min(a, b), std::max(a, b), length});
 }
 
-/// Sums the entries of each pair, in the order along the row.
+/// What a face that is left or entered by makes of the distance within which it touches another.
+double gap_tolerance(FaceId face, const CombineRules& rules) {
+  // An id that refers to nothing is larger than any size.
+  if (face.value() >= rules.face_tolerance.size()) return rules.gap_tolerance;
+  return std::max(rules.gap_tolerance, rules.face_tolerance[face]);
+}
+
+/// Writes the segments of one row behind those of the rows before it.
+class Labeller {
+ public:
+  Labeller(const CombineRules& rules, std::vector<Segment>& segments, std::vector<PairLength>& gaps)
+      : rules_(rules), segments_(segments), gaps_(gaps), row_begin_(segments.size()) {}
+
+  /// Adds a run, merging it with a neighbour of equal material and solid.
+  void add_run(double begin, double end, SolidId solid) {
+    const MaterialId material = rules_.table->assignments[solid].material;
+    if (segments_.size() > row_begin_) {
+      Segment& last = segments_.back();
+      if (last.x_end == begin && last.material == material && last.solid == solid) {
+        last.x_end = end;
+        return;
+      }
+    }
+    segments_.push_back({begin, end, material, solid});
+  }
+
+  /// Fills the uncovered stretch between two spans if it is a gap between two solids that touch.
+  void add_gap(const Span& left, const Span& right) {
+    // A slot within one solid is a feature, not a gap between two.
+    if (left.solid == right.solid) return;
+    const double length = right.begin - left.end;
+    const double tolerance = std::max(gap_tolerance(left.face_out, rules_), gap_tolerance(right.face_in, rules_));
+    if (!(length <= tolerance)) return;
+    add_run(left.end, right.begin, rules_.rank[left.solid] > rules_.rank[right.solid] ? left.solid : right.solid);
+    add_pair(gaps_, left.solid, right.solid, length);
+  }
+
+  /// Forgets the row.
+  void start_again() {
+    segments_.resize(row_begin_);
+    gaps_.clear();
+  }
+
+ private:
+  const CombineRules& rules_;
+  std::vector<Segment>& segments_;
+  std::vector<PairLength>& gaps_;
+  std::size_t row_begin_;
+};
+
+/// Labels spans that ascend and share no point: nearly all rows of most assemblies. Returns false, with nothing
+/// labelled, if they don't.
+bool label_disjoint(std::span<const Span> spans, Labeller& labeller) {
+  double end = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < spans.size(); ++i) {
+    const Span& span = spans[i];
+    if (!(end <= span.begin && is_usable(span))) {
+      labeller.start_again();
+      return false;
+    }
+    if (i > 0 && end < span.begin) labeller.add_gap(spans[i - 1], span);
+    labeller.add_run(span.begin, span.end, span.solid);
+    end = span.end;
+  }
+  return true;
+}
+
+/// Leaves one entry a pair, ids ascending, with the sum of its lengths in the order in which they came.
 void collect_pairs(std::vector<PairLength>& pairs) {
   if (pairs.size() < 2) return;
   std::stable_sort(pairs.begin(), pairs.end(), [](const PairLength& a, const PairLength& b) {
@@ -121,136 +103,161 @@ void collect_pairs(std::vector<PairLength>& pairs) {
   pairs.resize(kept + 1);
 }
 
-/// Distance within which the face `left` leaves by and the one `right` enters by touch: the larger of their own.
-double gap_tolerance(const Span& left, const Span& right, const CombineRules& rules) {
-  double widest = rules.gap_tolerance;
-  for (const FaceId face : {left.face_out, right.face_in}) {
-    if (face.valid() && face.value() < rules.face_tolerance.size()) {
-      widest = std::max(widest, rules.face_tolerance[face]);
-    }
-  }
-  return widest;
-}
+}  // namespace
 
-/// Pairs of different material by their common length. A length within the gap tolerance is two faces that touch.
-void measure_overlaps(std::vector<Span>& spans, const CombineRules& rules, CombinedRow& out) {
-  const auto key = [&](const Span& span) { return std::tuple(span.begin, span.end, rules.rank[span.solid]); };
-  std::sort(spans.begin(), spans.end(), [&](const Span& a, const Span& b) { return key(a) < key(b); });
-  for (std::size_t i = 0; i < spans.size(); ++i) {
-    for (std::size_t j = i + 1; j < spans.size() && spans[j].begin < spans[i].end; ++j) {
-      if (rules.table->assignments[spans[i].solid].material == rules.table->assignments[spans[j].solid].material)
-        continue;
-      const Span& first_out = spans[i].end <= spans[j].end ? spans[i] : spans[j];
-      const double length = first_out.end - spans[j].begin;
-      if (!(length > gap_tolerance(first_out, spans[j], rules))) continue;
-      add_pair(out.overlaps, spans[i].solid, spans[j].solid, length);
-    }
-  }
-  collect_pairs(out.overlaps);
-}
-
-/// Collects what is found along the row.
-class Labeller {
+/// The covered part of a row from left to right. Of the spans over a point only those can ever be seen that end behind
+/// all of higher rank. They are a staircase: ends fall as ranks rise, so that the one on top is seen and ends first.
+class RowCombiner::Staircase {
  public:
-  Labeller(const CombineRules& rules, CombinedRow& out) : rules_(rules), out_(out) {}
+  /// `steps` has room for every span.
+  Staircase(const CombineRules& rules, Step* steps, Labeller& labeller)
+      : rules_(rules), steps_(steps), labeller_(labeller) {}
 
-  void add_run(double begin, double end, SolidId solid) {
-    append(out_.segments, begin, end, rules_.table->assignments[solid].material, solid);
-  }
-
-  /// Fills the uncovered stretch between two spans if it is a gap between two solids that touch.
-  void add_gap(double begin, double end, const Span& left, const Span& right) {
-    // A slot within one solid is a feature, not a gap between two.
-    if (left.solid == right.solid || !(end - begin <= gap_tolerance(left, right, rules_))) return;
-    add_run(begin, end, rules_.rank[left.solid] > rules_.rank[right.solid] ? left.solid : right.solid);
-    add_pair(out_.gaps, left.solid, right.solid, end - begin);
+  /// `spans` usable, ascending by begin.
+  void label(std::span<const Span> spans) {
+    for (std::size_t i = 0; i < spans.size(); ++i) {
+      descend_to(spans[i].begin);
+      if (count_ == 0) cross_gap(spans.subspan(i));
+      climb({&spans[i], spans[i].end, rules_.rank[spans[i].solid]});
+    }
+    descend_to(std::numeric_limits<double>::infinity());
   }
 
  private:
+  /// Labels and removes what ends up to `x`.
+  void descend_to(double x) {
+    while (count_ > 0 && steps_[count_ - 1].end <= x) {
+      last_ = steps_[count_ - 1].span;
+      show_top(last_->end);
+      --count_;
+    }
+  }
+
+  void show_top(double end) {
+    if (at_ < end) labeller_.add_run(at_, end, steps_[count_ - 1].span->solid);
+    at_ = end;
+  }
+
+  /// What ended last was the highest of those that ended there; so must be what begins first.
+  void cross_gap(std::span<const Span> rest) {
+    const Span* first = rest.data();
+    for (const Span& span : rest) {
+      if (span.begin != first->begin) break;
+      if (rules_.rank[span.solid] > rules_.rank[first->solid]) first = &span;
+    }
+    if (last_ != nullptr && last_->end < first->begin) labeller_.add_gap(*last_, *first);
+    at_ = first->begin;
+  }
+
+  void climb(const Step& step) {
+    if (count_ == 0 || step.rank >= steps_[count_ - 1].rank) {
+      if (count_ > 0) show_top(step.span->begin);
+      while (count_ > 0 && steps_[count_ - 1].end <= step.end) --count_;
+      steps_[count_++] = step;
+      return;
+    }
+    if (steps_[count_ - 1].end < step.end) insert_below(step);
+  }
+
+  /// Below the top, where nothing of `step` is seen yet.
+  void insert_below(const Step& step) {
+    std::size_t above = count_ - 1;
+    while (above > 0 && steps_[above - 1].rank > step.rank) --above;
+    if (steps_[above].end >= step.end) return;  // never seen
+    std::size_t kept = above;
+    while (kept > 0 && steps_[kept - 1].end <= step.end) --kept;
+    // The new one takes the place of those between, of which there may be none.
+    Step* const place = steps_ + kept;
+    if (kept < above) {
+      std::copy(steps_ + above, steps_ + count_, place + 1);
+    } else {
+      std::copy_backward(place, steps_ + count_, steps_ + count_ + 1);
+    }
+    *place = step;
+    count_ -= above - kept;
+    ++count_;
+  }
+
   const CombineRules& rules_;
-  CombinedRow& out_;
+  Step* steps_;
+  Labeller& labeller_;
+  std::size_t count_ = 0;
+  const Span* last_ = nullptr;  ///< what ended last
+  double at_ = 0.0;             ///< labelled up to here
 };
 
-/// Whether the spans ascend and no two share a point: nearly all rows of most assemblies.
-bool are_disjoint(std::span<const Span> spans) {
-  for (std::size_t i = 1; i < spans.size(); ++i) {
-    if (!(spans[i - 1].end <= spans[i].begin)) return false;
-  }
-  return true;
-}
-
-void label_disjoint(std::span<const Span> spans, Labeller& labeller) {
-  for (std::size_t i = 0; i < spans.size(); ++i) {
-    if (i > 0 && spans[i - 1].end < spans[i].begin) {
-      labeller.add_gap(spans[i - 1].end, spans[i].begin, spans[i - 1], spans[i]);
-    }
-    labeller.add_run(spans[i].begin, spans[i].end, spans[i].solid);
-  }
-}
-
-void label_by_rank(std::span<const Span> spans, const CombineRules& rules, Labeller& labeller) {
-  RowSweep sweep(spans, rules);
-  const auto by_rank = [&](std::uint32_t a, std::uint32_t b) { return sweep.rank(a) < sweep.rank(b); };
-  sweep.run(
-      [&](double begin, double end, std::span<const std::uint32_t> active) {
-        labeller.add_run(begin, end, spans[*std::max_element(active.begin(), active.end(), by_rank)].solid);
-      },
-      [&](double begin, double end, const Span& left, const Span& right) {
-        labeller.add_gap(begin, end, left, right);
-      });
-}
-
-/// Comparisons are written so that NaN fails.
-bool is_usable(const Span& span) {
-  return std::isfinite(span.begin) && std::isfinite(span.end) && span.begin < span.end;
-}
-
-}  // namespace
-
-IdVector<SolidId, int> rank_solids(const Scene& scene, const MaterialTable& table,
-                                   const IdVector<SolidId, SolidMeasure>& measures) {
-  std::vector<SolidId> order;
-  for (const SolidId solid : scene.solids.ids()) order.push_back(solid);
-  const auto loses_to = [&](SolidId a, SolidId b) {
-    const int priority_a = table.assignments[a].priority;
-    const int priority_b = table.assignments[b].priority;
-    if (priority_a != priority_b) return priority_a < priority_b;
-    const double volume_a = rounded_volume(measures[a].volume);
-    const double volume_b = rounded_volume(measures[b].volume);
-    if (volume_a != volume_b) return volume_a > volume_b;
-    const int paths = scene.solids[a].info.path.compare(scene.solids[b].info.path);
-    if (paths != 0) return paths > 0;
-    const auto corners_a = corners(measures[a].bounds);
-    const auto corners_b = corners(measures[b].bounds);
-    if (corners_a != corners_b) return corners_a > corners_b;
-    return a > b;
+/// The usable spans in an order that neither ids nor the order of `spans` has part in; `spans` itself if that is it.
+std::span<const Span> RowCombiner::sort_usable(std::span<const Span> spans, const CombineRules& rules) {
+  const auto comes_before = [&rules](const Span& a, const Span& b) {
+    if (a.begin != b.begin) return a.begin < b.begin;
+    if (a.end != b.end) return a.end < b.end;
+    return rules.rank[a.solid] < rules.rank[b.solid];
   };
-  std::sort(order.begin(), order.end(), loses_to);
-  IdVector<SolidId, int> rank(scene.solids.size());
-  for (std::size_t i = 0; i < order.size(); ++i) rank[order[i]] = static_cast<int>(i);
-  return rank;
+  const auto is_in_place = [&](std::size_t i) {
+    return is_usable(spans[i]) && (i == 0 || !comes_before(spans[i], spans[i - 1]));
+  };
+  std::size_t in_place = 0;
+  while (in_place < spans.size() && is_in_place(in_place)) ++in_place;
+  if (in_place == spans.size()) return spans;
+  sorted_.clear();
+  std::copy_if(spans.begin(), spans.end(), std::back_inserter(sorted_), is_usable);
+  std::sort(sorted_.begin(), sorted_.end(), comes_before);
+  return sorted_;
 }
 
-void combine_row(std::span<const Span> spans, const CombineRules& rules, CombinedRow& out) {
-  out.segments.clear();
-  out.overlaps.clear();
-  out.gaps.clear();
-  std::vector<Span> usable;
-  usable.reserve(spans.size());
-  std::copy_if(spans.begin(), spans.end(), std::back_inserter(usable), is_usable);
-  if (usable.empty()) return;
-  if (usable.size() > 1) measure_overlaps(usable, rules, out);
-  if (!out.overlaps.empty()) {
-    apply_interface_policy(usable, rules);
-    std::erase_if(usable, [](const Span& span) { return !is_usable(span); });
+/// Pairs of different material by their common length. A length within the gap tolerance is two faces that touch.
+void RowCombiner::measure_overlaps(std::span<const Span> spans, const CombineRules& rules) {
+  if (open_.size() < spans.size()) open_.resize(spans.size());
+  Open* const open = open_.data();
+  std::size_t count = 0;
+  for (const Span& span : spans) {
+    const Open entered{span.end, gap_tolerance(span.face_out, rules), span.solid,
+                       rules.table->assignments[span.solid].material};
+    const double tolerance_in = gap_tolerance(span.face_in, rules);
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (open[i].end <= span.begin) continue;
+      if (kept < i) open[kept] = open[i];
+      const Open& other = open[kept++];
+      if (other.material == entered.material) continue;
+      const bool other_ends_first = other.end <= entered.end;
+      const double length = (other_ends_first ? other.end : entered.end) - span.begin;
+      const double tolerance_out = other_ends_first ? other.tolerance_out : entered.tolerance_out;
+      if (length > std::max(tolerance_in, tolerance_out)) add_pair(overlaps_, other.solid, entered.solid, length);
+    }
+    open[kept] = entered;
+    count = kept + 1;
   }
-  Labeller labeller(rules, out);
-  if (are_disjoint(usable)) {
-    label_disjoint(usable, labeller);
-  } else {
-    label_by_rank(usable, rules, labeller);
-  }
+}
+
+/// The spans clipped by the policy that the table names, if it has a say.
+std::span<const Span> RowCombiner::clip(std::span<const Span> spans, const CombineRules& rules) {
+  if (overlaps_.empty() || !has_interfaces(rules.table->policy)) return spans;
+  clipped_.assign(spans.begin(), spans.end());
+  apply_interface_policy(clipped_, rules);
+  return sort_usable(clipped_, rules);
+}
+
+void RowCombiner::combine(std::span<const Span> spans, const CombineRules& rules, std::vector<Segment>& segments) {
+  overlaps_.clear();
+  gaps_.clear();
+  Labeller labeller(rules, segments, gaps_);
+  if (label_disjoint(spans, labeller)) return;
+  const std::span<const Span> usable = sort_usable(spans, rules);
+  measure_overlaps(usable, rules);
+  if (steps_.size() < spans.size()) steps_.resize(spans.size());
+  Staircase(rules, steps_.data(), labeller).label(clip(usable, rules));
+}
+
+CombinedRow combine_row(std::span<const Span> spans, const CombineRules& rules) {
+  CombinedRow out;
+  RowCombiner combiner;
+  combiner.combine(spans, rules, out.segments);
+  out.overlaps.assign(combiner.overlaps().begin(), combiner.overlaps().end());
+  out.gaps.assign(combiner.gaps().begin(), combiner.gaps().end());
+  collect_pairs(out.overlaps);
   collect_pairs(out.gaps);
+  return out;
 }
 
 }  // namespace lamella

@@ -35,6 +35,45 @@ struct CombineRules {
   IdVector<FaceId, double> face_tolerance;    ///< mm, may be empty; widens the gap tolerance at the faces it knows
 };
 
+/// Combines one row after the other in memory that is used again: 3 to 20 ns a span where spans are disjoint, touch or
+/// are nested, nothing allocated once the memory has grown.
+class RowCombiner {
+ public:
+  /// Appends the segments of one row to `segments`: see combine_row(). Rows sorted as SpanRows are cost least.
+  void combine(std::span<const Span> spans, const CombineRules& rules, std::vector<Segment>& segments);
+
+  /// Of the last row: common lengths of pairs of different material, along the row; a pair may come more than once.
+  [[nodiscard]] std::span<const PairLength> overlaps() const { return overlaps_; }
+  /// Of the last row: filled gaps, likewise.
+  [[nodiscard]] std::span<const PairLength> gaps() const { return gaps_; }
+
+ private:
+  class Staircase;
+  struct Step {
+    const Span* span = nullptr;
+    double end = 0.0;
+    int rank = 0;
+  };
+  struct Open {
+    double end = 0.0;
+    double tolerance_out = 0.0;  ///< mm, of the face that it is left by
+    SolidId solid;
+    MaterialId material;
+  };
+
+  std::span<const Span> sort_usable(std::span<const Span> spans, const CombineRules& rules);
+  void measure_overlaps(std::span<const Span> spans, const CombineRules& rules);
+  std::span<const Span> clip(std::span<const Span> spans, const CombineRules& rules);
+
+  std::vector<Span> sorted_;
+  std::vector<Span> clipped_;
+  std::vector<Step> steps_;
+  std::vector<Open> open_;
+  std::vector<PairLength> overlaps_;
+  std::vector<PairLength> gaps_;
+};
+
+/// One row and what was measured on it.
 struct CombinedRow {
   std::vector<Segment> segments;  ///< disjoint, ascending, neighbours of equal material and solid merged
   std::vector<PairLength>
@@ -46,8 +85,7 @@ struct CombinedRow {
 ///
 /// Each segment carries the solid of highest rank there. The result does not depend on the order of `spans`, and
 /// permuting solid ids permutes the ids in it and changes nothing else. Spans that are empty, reversed or not finite
-/// are ignored. `out` is overwritten; its memory is reused. One sort, then work linear in the spans times how many
-/// solids lie over one another.
-void combine_row(std::span<const Span> spans, const CombineRules& rules, CombinedRow& out);
+/// are ignored. Work linear in the spans times how many solids lie over one another, and a sort if they come unsorted.
+[[nodiscard]] CombinedRow combine_row(std::span<const Span> spans, const CombineRules& rules);
 
 }  // namespace lamella

@@ -79,9 +79,13 @@ void place_interfaces(std::vector<Run>& runs, OverlapPolicy policy) {
 
 }  // namespace
 
+bool has_interfaces(OverlapPolicy policy) {
+  return policy != OverlapPolicy::priority && policy != OverlapPolicy::error;
+}
+
 void apply_interface_policy(std::vector<Span>& spans, const CombineRules& rules) {
   const OverlapPolicy policy = rules.table->policy;
-  if (policy == OverlapPolicy::priority || policy == OverlapPolicy::error) return;
+  if (!has_interfaces(policy)) return;
   std::vector<Run> runs = unite_materials(spans, rules);
   place_interfaces(runs, policy);
   for (const Run& run : runs) {

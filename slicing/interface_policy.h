@@ -6,6 +6,9 @@
 
 namespace lamella {
 
+/// Whether the policy places interfaces in overlaps: `entry`, `exit` and `average`.
+[[nodiscard]] bool has_interfaces(OverlapPolicy policy);
+
 /// Clips `spans` so that solids of equal priority and different material share an overlap by the table's policy: the
 /// interface lies at the overlap's first point (`entry`), last point (`exit`) or midpoint (`average`) along the row.
 ///

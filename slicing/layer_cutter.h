@@ -1,59 +1,58 @@
 #pragma once
 
-#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "slicing/combine.h"
 #include "slicing/layer.h"
+#include "slicing/layer_check.h"
+#include "slicing/layer_lengths.h"
 #include "slicing/layer_plan.h"
-#include "slicing/slicer.h"
+#include "slicing/slab.h"
 
 namespace lamella {
 
-/// Some consecutive rows of one layer's raster or hatch lattice: the unit of parallel work.
-struct RowTask {
-  std::size_t layer = 0;
-  bool is_hatch = false;
-  std::int64_t first_row = 0;
-  std::int64_t last_row = 0;  ///< one past
-};
-
-/// What cutting a RowTask gave. Lengths in mm, summed along the rows in order.
-struct RowBlock {
-  SegmentRows rows;
+/// What cutting one layer gave: the layer, and what was measured on the way. Hatch rows count as casts only; volumes,
+/// overlaps and gaps are the raster lattice's.
+struct CutLayer {
+  Layer layer;
   CastCounters cast;
-  std::vector<double> solid_length;     ///< per solid id, before priorities
-  std::vector<double> material_length;  ///< per material id, after priorities
-  std::vector<PairLength> overlaps;
-  std::vector<PairLength> gaps;
+  LayerLengths lengths;
 };
 
-/// Cuts rows: casts each row against the solids whose box it meets and combines the spans.
+/// Cuts slabs of layers: asks the engine for spans and combines the spans of every row into segments.
 class LayerCutter {
  public:
+  /// Memory that is used again from slab to slab, by one thread at a time.
+  struct Workspace {
+    std::vector<LayerRequest> requests;
+    std::vector<LayerSpans> spans;
+    RowCombiner row;
+    LengthSums sums;
+  };
+
   /// `solids` are those to cut, all with finite bounds; everything referred to must outlive the cutter.
-  LayerCutter(const CastFunction& cast, const Scene& scene, const MaterialTable& table,
+  LayerCutter(const SlabFunction& engine, const Scene& scene, const MaterialTable& table,
               const IdVector<SolidId, SolidMeasure>& measures, const LayerPlan& plan, std::vector<SolidId> solids);
 
-  /// The work of one layer, in the order in which the blocks follow one another: raster rows, then hatch rows.
-  [[nodiscard]] std::vector<RowTask> tasks_of(std::size_t layer) const;
-
-  /// Cuts one task. Safe to call from several threads at once; the result depends on the task alone.
-  [[nodiscard]] RowBlock cut(const RowTask& task) const;
-
-  /// Joins the blocks of one layer's tasks.
-  [[nodiscard]] Layer assemble(const std::vector<RowTask>& tasks, const std::vector<RowBlock>& blocks,
-                               std::size_t layer) const;
+  /// Cuts layers [first_layer, first_layer + out.size()). Safe to call from several threads at once; the result depends
+  /// on the layers alone. `out` is overwritten and its memory used again. Throws GeometryError when a layer comes out
+  /// malformed.
+  void cut(std::size_t first_layer, std::span<CutLayer> out, Workspace& workspace) const;
 
  private:
-  [[nodiscard]] std::vector<SolidId> solids_at(double z) const;
+  [[nodiscard]] LayerRequest request_of(std::size_t layer) const;
+  [[nodiscard]] RowLattice hatch_lattice(std::size_t layer) const;
+  template <class Measure>
+  void combine_rows(const SpanRows& spans, Workspace& workspace, SegmentRows& out, const Measure& measure) const;
+  void combine(const LayerRequest& request, const LayerSpans& spans, Workspace& workspace, CutLayer& out) const;
 
-  const CastFunction& cast_;
+  const SlabFunction& engine_;
   const IdVector<SolidId, SolidMeasure>& measures_;
   const LayerPlan& plan_;
   std::vector<SolidId> solids_;
   CombineRules rules_;
-  std::size_t material_count_ = 0;
+  LayerLimits limits_;
 };
 
 }  // namespace lamella

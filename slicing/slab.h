@@ -21,6 +21,9 @@ struct RowLattice {
   std::int64_t last_row = 0;  ///< one past
 
   [[nodiscard]] double position(std::int64_t row) const { return anchor + (static_cast<double>(row) + 0.5) * spacing; }
+  [[nodiscard]] std::size_t rows() const { return static_cast<std::size_t>(last_row - first_row); }
+  /// The range along `across` that a box takes, mm.
+  [[nodiscard]] Interval range_of(const Box3& box) const;
 };
 
 /// Spans of all solids on the rows of a lattice in compressed form: row first_row + r holds spans
@@ -55,6 +58,15 @@ inline constexpr std::size_t kSlabLayers = 16;
 
 /// What an engine does for the slicer: cuts a slab of consecutive layers, ascending in z, against the solids it was
 /// made for; `out` has one entry a request. Called from several threads at once, each with its own slab.
+///
+/// `out` comes as make_layer_spans() leaves it, perhaps with memory of earlier slabs in it.
 using SlabFunction = std::function<void(std::span<const LayerRequest> slab, std::span<LayerSpans> out)>;
+
+/// Makes `out` ready for an engine: one entry a request with one SpanRows a lattice, all without rows and with counters
+/// at zero.
+void make_layer_spans(std::span<const LayerRequest> slab, std::vector<LayerSpans>& out);
+
+/// Throws GeometryError if an engine didn't give as many rows as a layer was asked for.
+void check_layer_spans(const LayerRequest& request, const LayerSpans& spans);
 
 }  // namespace lamella

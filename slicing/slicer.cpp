@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
+#include "core/ordered_pipeline.h"
 #include "core/parallel.h"
-#include "slicing/layer_check.h"
+#include "slicing/interface_policy.h"
 #include "slicing/layer_cutter.h"
 #include "slicing/tally.h"
 
@@ -14,16 +17,75 @@ namespace lamella {
 
 namespace {
 
-/// Layers cut together. Two windows are in memory: one being cut, one being written.
-constexpr std::size_t kWindow = 8;
+/// In memory at once: one that is being cut, one that waits to be written.
+constexpr std::size_t kSlabsPerThread = 2;
 
-/// Some consecutive layers, as tasks that can run in any order and their results.
-struct Window {
-  std::size_t first_layer = 0;
-  std::size_t last_layer = 0;  ///< one past
-  std::vector<RowTask> tasks;
-  std::vector<RowBlock> blocks;
+/// Under the interface policies an overlap is shared along +x, which only hatch rows along +x see alike.
+void check_policy(const MaterialTable& table, const LayerPlan& plan) {
+  if (!plan.hatch || !has_interfaces(table.policy)) return;
+  for (std::size_t layer = 0; layer < plan.layers.size(); ++layer) {
+    if (hatch_axes(*plan.hatch, layer).along == Vec2::UnitX()) continue;
+    throw UsageError("the overlap policies entry, exit and average need hatch rows along +x", {},
+                     "use --hatch-angle 0 without rotation, or give the solids priorities");
+  }
+}
+
+/// Consecutive layers that are cut together.
+using Slab = std::vector<CutLayer>;
+
+/// Workspaces for as many slabs as are being cut at once.
+class WorkspacePool {
+ public:
+  std::unique_ptr<LayerCutter::Workspace> take() {
+    const std::lock_guard lock(mutex_);
+    if (free_.empty()) return std::make_unique<LayerCutter::Workspace>();
+    auto workspace = std::move(free_.back());
+    free_.pop_back();
+    return workspace;
+  }
+  void put_back(std::unique_ptr<LayerCutter::Workspace> workspace) {
+    const std::lock_guard lock(mutex_);
+    free_.push_back(std::move(workspace));
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<LayerCutter::Workspace>> free_;
 };
+
+/// Adds up and writes the layers of a slab in increasing z.
+void write_slab(const Slab& slab, std::size_t layer_count, Tally& tally, LayerSink& sink, const Progress& progress) {
+  for (const CutLayer& cut : slab) {
+    progress.throw_if_cancelled();
+    tally.add(cut);
+    sink.write(cut.layer);
+    progress.report("slicing", (cut.layer.index + 1.0) / static_cast<double>(layer_count));
+  }
+}
+
+/// Cuts slabs in parallel while others, in order, are written.
+void cut_layers(const LayerCutter& cutter, std::size_t slab_layers, std::size_t layer_count, int threads, Tally& tally,
+                LayerSink& sink, const Progress& progress) {
+  progress.report("slicing", 0.0);
+  std::vector<Slab> slabs(kSlabsPerThread * static_cast<std::size_t>(count_threads(threads)));
+  WorkspacePool workspaces;
+  const auto cut = [&](std::size_t item, std::size_t slot) {
+    progress.throw_if_cancelled();
+    const std::size_t first = item * slab_layers;
+    slabs[slot].resize(std::min(slab_layers, layer_count - first));
+    auto workspace = workspaces.take();
+    cutter.cut(first, slabs[slot], *workspace);
+    workspaces.put_back(std::move(workspace));
+  };
+  const auto write = [&](std::size_t, std::size_t slot) {
+    write_slab(slabs[slot], layer_count, tally, sink, progress);
+  };
+  ordered_pipeline((layer_count + slab_layers - 1) / slab_layers, slabs.size(), cut, write, threads);
+}
+
+}  // namespace
+
+bool is_closed(const SolidInfo& solid) { return solid.closed && solid.status != SolidStatus::open; }
 
 std::vector<SolidId> choose_solids(const Scene& scene, const IdVector<SolidId, SolidMeasure>& measures,
                                    bool allow_open) {
@@ -33,8 +95,7 @@ std::vector<SolidId> choose_solids(const Scene& scene, const IdVector<SolidId, S
     const SolidInfo& info = scene.solids[solid].info;
     const Box3& bounds = measures[solid].bounds;
     const bool is_bounded = bounds.min().allFinite() && bounds.max().allFinite() && !bounds.isEmpty();
-    const bool is_trusted = info.closed && info.status != SolidStatus::open;
-    if (is_bounded && info.status != SolidStatus::empty && (is_trusted || allow_open)) {
+    if (is_bounded && info.status != SolidStatus::empty && (is_closed(info) || allow_open)) {
       chosen.push_back(solid);
     } else {
       left_out += (left_out.empty() ? "'" : ", '") + info.path + "'";
@@ -44,65 +105,6 @@ std::vector<SolidId> choose_solids(const Scene& scene, const IdVector<SolidId, S
   throw InputError("no closed solid to slice", left_out.empty() ? std::string("the files hold no solid") : left_out,
                    "repair the solids, or slice them by winding number with --allow-open");
 }
-
-/// Under the interface policies an overlap is shared along +x, which only hatch rows along +x see alike.
-void check_policy(const MaterialTable& table, const LayerPlan& plan) {
-  if (!plan.hatch || table.policy == OverlapPolicy::priority || table.policy == OverlapPolicy::error) return;
-  for (std::size_t layer = 0; layer < plan.layers.size(); ++layer) {
-    if (hatch_axes(*plan.hatch, layer).along == Vec2::UnitX()) continue;
-    throw UsageError("the overlap policies entry, exit and average need hatch rows along +x", {},
-                     "use --hatch-angle 0 without rotation, or give the solids priorities");
-  }
-}
-
-Window plan_window(const LayerCutter& cutter, std::size_t first_layer, std::size_t layer_count) {
-  Window window;
-  window.first_layer = first_layer;
-  window.last_layer = std::min(first_layer + kWindow, layer_count);
-  for (std::size_t layer = window.first_layer; layer < window.last_layer; ++layer) {
-    const std::vector<RowTask> tasks = cutter.tasks_of(layer);
-    window.tasks.insert(window.tasks.end(), tasks.begin(), tasks.end());
-  }
-  window.blocks.resize(window.tasks.size());
-  return window;
-}
-
-/// Adds up and writes the layers of a window that has been cut, in increasing z.
-void write_window(const Window& window, const LayerCutter& cutter, const LayerLimits& limits, Tally& tally,
-                  LayerSink& sink) {
-  for (std::size_t i = 0; i < window.tasks.size(); ++i) tally.add(window.tasks[i], window.blocks[i]);
-  for (std::size_t layer = window.first_layer; layer < window.last_layer; ++layer) {
-    const Layer cut = cutter.assemble(window.tasks, window.blocks, layer);
-    if (const auto fault = find_layer_fault(cut, limits)) {
-      throw GeometryError("layer " + std::to_string(layer) + " came out malformed: " + *fault, {},
-                          "please report this");
-    }
-    sink.write(cut);
-  }
-}
-
-void cut_layers(const LayerCutter& cutter, const LayerLimits& limits, std::size_t layer_count, int threads,
-                Tally& tally, LayerSink& sink, const Progress& progress) {
-  progress.report("slicing", 0.0);
-  Window cut;
-  for (std::size_t first = 0; first < layer_count || !cut.tasks.empty(); first += kWindow) {
-    Window next = plan_window(cutter, std::min(first, layer_count), layer_count);
-    // The first task writes the last window while the others cut the next one.
-    const auto work = [&](std::size_t i) {
-      progress.throw_if_cancelled();
-      if (i == 0) {
-        write_window(cut, cutter, limits, tally, sink);
-      } else {
-        next.blocks[i - 1] = cutter.cut(next.tasks[i - 1]);
-      }
-    };
-    parallel_for(1 + next.tasks.size(), work, threads);
-    progress.report("slicing", static_cast<double>(next.first_layer) / static_cast<double>(layer_count));
-    cut = std::move(next);
-  }
-}
-
-}  // namespace
 
 BuildInfo make_build_info(const Scene& scene, const MaterialTable& table,
                           const IdVector<SolidId, SolidMeasure>& measures, const LayerPlan& plan) {
@@ -126,19 +128,22 @@ BuildInfo make_build_info(const Scene& scene, const MaterialTable& table,
   return info;
 }
 
-SliceReport slice_with(const CastFunction& cast, const Scene& scene, const MaterialTable& table,
+SliceReport slice_with(const SlabEngine& engine, const Scene& scene, const MaterialTable& table,
                        const IdVector<SolidId, SolidMeasure>& measures, const LayerPlan& plan,
                        const SliceOptions& options, LayerSink& sink, const Progress& progress) {
   progress.throw_if_cancelled();
   const std::vector<SolidId> solids = choose_solids(scene, measures, options.allow_open);
   check_policy(table, plan);
-  const LayerCutter cutter(cast, scene, table, measures, plan, solids);
-  const LayerLimits limits{static_cast<std::size_t>(plan.grid.size[1]), table.materials.size(), scene.solids.size()};
+  const LayerCutter cutter(engine.cut, scene, table, measures, plan, solids);
   Tally tally(scene, table, measures, plan, solids);
   try {
     sink.begin(make_build_info(scene, table, measures, plan));
-    cut_layers(cutter, limits, plan.layers.size(), options.threads, tally, sink, progress);
+    cut_layers(cutter, engine.slab_layers, plan.layers.size(), options.threads, tally, sink, progress);
     SliceReport report = tally.finish();
+    if (engine.findings) {
+      const std::vector<Finding> findings = engine.findings();
+      report.findings.insert(report.findings.end(), findings.begin(), findings.end());
+    }
     progress.throw_if_cancelled();
     sink.finish(report);
     progress.report("slicing", 1.0);

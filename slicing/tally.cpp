@@ -35,6 +35,18 @@ std::vector<PairReport> pair_reports(const auto& pairs) {
   return out;
 }
 
+void add_volumes(std::vector<CompensatedSum>& volumes, const std::vector<double>& lengths, double area) {
+  for (std::size_t i = 0; i < volumes.size(); ++i) volumes[i].add(lengths[i] * area);
+}
+
+void add_pairs(auto& pairs, const std::vector<PairLength>& lengths, double area) {
+  for (const PairLength& length : lengths) {
+    auto& pair = pairs[{length.first, length.second}];
+    pair.volume.add(length.length * area);
+    ++pair.layers;
+  }
+}
+
 }  // namespace
 
 Tally::Tally(const Scene& scene, const MaterialTable& table, const IdVector<SolidId, SolidMeasure>& measures,
@@ -56,39 +68,28 @@ Tally::Tally(const Scene& scene, const MaterialTable& table, const IdVector<Soli
   report_.rows = report_.rays = plan.layers.size() * static_cast<std::uint64_t>(plan.grid.size[1]);
 }
 
-void Tally::add(const RowTask& task, const RowBlock& block) {
-  report_.cast += block.cast;
-  if (task.is_hatch) return;
-  if (table_.policy == OverlapPolicy::error) refuse_overlaps(block, task);
-  const LayerSpan& layer = plan_.layers[task.layer];
-  const double area = plan_.grid.pitch.y() * (layer.z_top - layer.z_bottom);
-  report_.segments += block.rows.segments.size();
-  for (std::size_t i = 0; i < solid_volume_.size(); ++i) solid_volume_[i].add(block.solid_length[i] * area);
-  for (std::size_t i = 0; i < material_volume_.size(); ++i) material_volume_[i].add(block.material_length[i] * area);
-  add_pairs(overlaps_, block.overlaps, task, area);
-  add_pairs(gaps_, block.gaps, task, area);
-}
-
-void Tally::add_pairs(Pairs& pairs, const std::vector<PairLength>& lengths, const RowTask& task, double area) const {
-  for (const PairLength& length : lengths) {
-    Pair& pair = pairs[{length.first, length.second}];
-    pair.volume.add(length.length * area);
-    if (pair.layers == 0 || pair.last_layer != task.layer) ++pair.layers;
-    pair.last_layer = task.layer;
-  }
+void Tally::add(const CutLayer& cut) {
+  report_.cast += cut.cast;
+  if (table_.policy == OverlapPolicy::error) refuse_overlaps(cut);
+  const double area = plan_.grid.pitch.y() * (cut.layer.z_top - cut.layer.z_bottom);
+  report_.segments += cut.layer.raster.segments.size();
+  add_volumes(solid_volume_, cut.lengths.solids, area);
+  add_volumes(material_volume_, cut.lengths.materials, area);
+  add_pairs(overlaps_, cut.lengths.overlaps, area);
+  add_pairs(gaps_, cut.lengths.gaps, area);
 }
 
 bool Tally::is_ambiguous(SolidId a, SolidId b) const {
   return table_.assignments[a].priority == table_.assignments[b].priority;
 }
 
-void Tally::refuse_overlaps(const RowBlock& block, const RowTask& task) const {
-  for (const PairLength& overlap : block.overlaps) {
+void Tally::refuse_overlaps(const CutLayer& cut) const {
+  for (const PairLength& overlap : cut.lengths.overlaps) {
     if (!is_ambiguous(overlap.first, overlap.second)) continue;
     throw InputError("solids of equal priority and different material overlap",
                      "solids '" + scene_.solids[overlap.first].info.path + "' and '" +
-                         scene_.solids[overlap.second].info.path + "', layer " + std::to_string(task.layer) +
-                         ", z = " + format_double(plan_.layers[task.layer].z_sample) + " mm",
+                         scene_.solids[overlap.second].info.path + "', layer " + std::to_string(cut.layer.index) +
+                         ", z = " + format_double(cut.layer.z_sample) + " mm",
                      "give one of them a higher priority, or choose another --overlap policy");
   }
 }

@@ -10,16 +10,15 @@
 
 namespace lamella {
 
-/// Adds up what the row blocks measured, layer by layer in increasing z, into a SliceReport.
+/// Adds up what was measured layer by layer, in increasing z, into a SliceReport.
 class Tally {
  public:
   /// `solids` are those that are cut; the others are reported as left out.
   Tally(const Scene& scene, const MaterialTable& table, const IdVector<SolidId, SolidMeasure>& measures,
         const LayerPlan& plan, const std::vector<SolidId>& solids);
 
-  /// Adds one block; blocks come in the order of their layers and rows. Hatch rows count as casts only: volumes,
-  /// overlaps and gaps are the raster lattice's. Throws InputError on an overlap under policy `error`.
-  void add(const RowTask& task, const RowBlock& block);
+  /// Adds the next layer. Throws InputError on an overlap under policy `error`.
+  void add(const CutLayer& cut);
 
   /// Judges the volumes and writes the findings.
   [[nodiscard]] SliceReport finish();
@@ -28,12 +27,10 @@ class Tally {
   struct Pair {
     CompensatedSum volume;
     std::uint64_t layers = 0;
-    std::size_t last_layer = 0;
   };
   using Pairs = std::map<std::pair<SolidId, SolidId>, Pair>;
 
-  void add_pairs(Pairs& pairs, const std::vector<PairLength>& lengths, const RowTask& task, double area) const;
-  void refuse_overlaps(const RowBlock& block, const RowTask& task) const;
+  void refuse_overlaps(const CutLayer& cut) const;
   void judge_solid(SolidId solid);
   void report_overlaps();
   void report_casts();

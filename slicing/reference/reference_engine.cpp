@@ -31,26 +31,37 @@ void check(const Ray& ray) {
   }
 }
 
+std::vector<SolidId> all_solids(const Scene& scene) {
+  std::vector<SolidId> solids;
+  for (const SolidId solid : scene.solids.ids()) solids.push_back(solid);
+  return solids;
+}
+
 }  // namespace
 
 struct ReferenceEngine::Data {
-  std::vector<std::unique_ptr<reference::SolidModel>> solids;  ///< by id; null for a solid without faces
+  std::vector<std::unique_ptr<reference::SolidModel>> solids;  ///< by id; null for one that is empty or not asked for
 };
 
 ReferenceEngine::ReferenceEngine(const Scene& scene, const ReferenceOptions& options, const Progress& progress,
-                                 int threads) {
+                                 int threads)
+    : ReferenceEngine(scene, all_solids(scene), options, progress, threads) {}
+
+ReferenceEngine::ReferenceEngine(const Scene& scene, std::span<const SolidId> solids, const ReferenceOptions& options,
+                                 const Progress& progress, int threads) {
   check(options);
   auto data = std::make_unique<Data>();
   data->solids.resize(scene.solids.size());
   std::atomic<std::size_t> done = 0;
   parallel_for(
-      scene.solids.size(),
+      solids.size(),
       [&](std::size_t index) {
         progress.throw_if_cancelled();
-        if (scene.solids[SolidId{index}].info.status != SolidStatus::empty) {
-          data->solids[index] = std::make_unique<reference::SolidModel>(scene, SolidId{index}, options);
+        const SolidId solid = solids[index];
+        if (scene.solids[solid].info.status != SolidStatus::empty) {
+          data->solids[solid.value()] = std::make_unique<reference::SolidModel>(scene, solid, options);
         }
-        progress.report("refining", static_cast<double>(++done) / static_cast<double>(scene.solids.size()));
+        progress.report("refining", static_cast<double>(++done) / static_cast<double>(solids.size()));
       },
       threads);
   data_ = std::move(data);

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/progress.h"
@@ -33,7 +34,12 @@ struct SolidCast {
 /// Immutable after construction; cast() may be called from several threads at once.
 class ReferenceEngine {
  public:
+  /// Prepares all solids of the scene, which must outlive the engine. Throws GeometryError for surfaces beyond the
+  /// stated limits, Cancelled when asked.
   ReferenceEngine(const Scene& scene, const ReferenceOptions& options, const Progress& progress = {}, int threads = 0);
+  /// Prepares some of them only; rays meet nothing of the others.
+  ReferenceEngine(const Scene& scene, std::span<const SolidId> solids, const ReferenceOptions& options,
+                  const Progress& progress = {}, int threads = 0);
   ~ReferenceEngine();
   ReferenceEngine(ReferenceEngine&&) noexcept;
 

@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <cmath>
 #include <gmock/gmock.h>
 #include <sstream>
+#include <vector>
 
 #include "tests/apps/command_json.h"
 
@@ -15,7 +17,7 @@ std::string middle(const Json& info) {
   std::string text;
   for (int axis = 0; axis < 3; ++axis) {
     const double value = 0.5 * (bounds[0][axis].get<double>() + bounds[1][axis].get<double>());
-    text += (axis == 0 ? "" : ",") + Json(value).dump();
+    text.append(axis == 0 ? "" : ",").append(Json(value).dump());
   }
   return text;
 }
@@ -81,6 +83,56 @@ TEST(Ray, AFolderOfRaysAndAPointOutOfReachAreRefused) {
   const TemporaryFolder folder;
   EXPECT_EQ(run_lamella("ray " + boxes() + " --rays " + quoted(folder.path())).exit_code, 2);
   EXPECT_EQ(run_lamella("ray " + boxes() + " --from 1e300,0,5 --dir 1,0,0").exit_code, 1);
+}
+
+/// Rays through the middle of the grip: horizontal ones in several directions.
+std::vector<std::string> horizontal_rays() {
+  return {"20 0.3 1.7 1 0 0", "20 0.3 1.7 0 -1 0", "60 2 -3.1 0.6 0.8 0", "24 -4 6.3 -0.8 0.6 0", "0 0 0.01 1 0 0"};
+}
+
+TEST(Ray, BothEnginesGiveTheSameHits) {
+  const std::string grip = quoted(datasets_dir() / "overmoulded_grip/overmoulded_grip.step");
+  const TemporaryFolder folder;
+  std::string lines;
+  for (const std::string& ray : horizontal_rays()) lines += ray + "\n";
+  write_text(folder / "rays.txt", lines);
+  std::vector<std::vector<Json>> found;
+  for (const std::string engine : {"span", "reference"}) {
+    const CommandResult result =
+        run_lamella("ray " + grip + " --json --rays " + quoted(folder / "rays.txt") + " --engine " + engine);
+    EXPECT_EQ(result.exit_code, 0) << result.errors;
+    std::istringstream stream(result.output);
+    found.emplace_back();
+    for (std::string line; std::getline(stream, line);) found.back().push_back(Json::parse(line));
+  }
+  ASSERT_EQ(found[0].size(), horizontal_rays().size());
+  for (std::size_t r = 0; r < found[0].size(); ++r) {
+    const Json& spans = found[0][r]["hits"];
+    const Json& rays = found[1][r]["hits"];
+    ASSERT_EQ(spans.size(), rays.size()) << r;
+    ASSERT_FALSE(rays.empty());
+    for (const Json& expected : rays) {
+      // Faces that touch have hits of one depth, in either order.
+      const auto is_same = [&](const Json& hit) {
+        return hit["face"] == expected["face"] && hit["sense"] == expected["sense"] &&
+               std::abs(hit["t"].get<double>() - expected["t"].get<double>()) < 1e-6;
+      };
+      const auto hit = std::find_if(spans.begin(), spans.end(), is_same);
+      ASSERT_NE(hit, spans.end()) << r << expected;
+      for (int axis = 0; axis < 2; ++axis) {
+        EXPECT_NEAR((*hit)["uv"][axis].get<double>(), expected["uv"][axis].get<double>(), 1e-5) << *hit << expected;
+      }
+    }
+  }
+}
+
+TEST(Ray, TheSpanEngineTakesHorizontalRaysOnly) {
+  const TemporaryFolder folder;
+  write_text(folder / "rays.txt", "0 0 0 1 0 0\n0 0 0 1 0 1e-9\n");
+  const CommandResult result = run_lamella("ray " + boxes() + " --engine span --rays " + quoted(folder / "rays.txt"));
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.errors, HasSubstr("rays.txt:2"));
+  EXPECT_THAT(result.errors, HasSubstr("--engine reference"));
 }
 
 TEST(Ray, TextNamesUnitsAndSolids) {

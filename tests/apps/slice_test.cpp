@@ -50,6 +50,24 @@ TEST(Slice, FirstSaysItsLatticeAndLastWhereTheOutputsAre) {
   EXPECT_THAT(result.output, ContainsRegex("store: [^\n]*build \\([0-9.]+ kB\\)\n$"));
 }
 
+TEST(Slice, BothEnginesGiveTheSameVolumes) {
+  const TemporaryFolder folder;
+  std::vector<Json> reports;
+  for (const std::string engine :
+       {"", " --engine span", " --engine reference", " --engine reference --solver newton"}) {
+    const CommandResult result =
+        run_lamella("slice " + boxes() + kCoarse + "--json -o " + quoted(folder / "build") + engine);
+    EXPECT_EQ(result.exit_code, 0) << result.errors;
+    reports.push_back(parse_output(result));
+  }
+  for (std::size_t i = 0; i < reports[0]["solids"].size(); ++i) {
+    const double expected = reports[2]["solids"][i]["volume_sliced"];
+    EXPECT_EQ(reports[0]["solids"][i]["volume_sliced"], reports[1]["solids"][i]["volume_sliced"]);
+    EXPECT_NEAR(reports[1]["solids"][i]["volume_sliced"], expected, 1e-9 * expected);
+    EXPECT_NEAR(reports[3]["solids"][i]["volume_sliced"], expected, 1e-2 * expected);
+  }
+}
+
 TEST(Slice, EveryFormatComesFromTheSamePass) {
   const TemporaryFolder folder;
   const CommandResult result =

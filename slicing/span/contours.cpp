@@ -1,0 +1,197 @@
+#include "slicing/span/contours.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "slicing/span/arc_chain.h"
+#include "slicing/span/flatten.h"
+#include "slicing/span/loop_nesting.h"
+#include "slicing/span/quintic.h"
+
+namespace lamella::span {
+
+namespace {
+
+/// A gap at a node below this share of the chord error is spared a corner of its own: the node stands for the arc's
+/// end, and the rest of the chord error is left for the chords.
+constexpr double kSparedGap = 0.1;
+
+/// How often a polygon that shows nothing of its loop is made anew, four times finer.
+constexpr int kRefinements = 12;
+
+double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+/// Twice the area between a piece and the origin: the integral of x y' - y x', term by term.
+double swept(const ArcPiece& piece, const Vec2& origin) {
+  Quintic x = piece.x;
+  Quintic y = piece.y;
+  x[0] -= origin.x();
+  y[0] -= origin.y();
+  double sum = 0.0;
+  for (int j = 1; j < 6; ++j) {
+    for (int i = 0; i < j; ++i) sum += (x[i] * y[j] - x[j] * y[i]) * (j - i) / (i + j);
+  }
+  return sum;
+}
+
+/// Twice the area between an arc, from node to node, and the origin.
+double swept(const Section& section, const SectionArc& arc, const Vec2& origin) {
+  double sum = 0.0;
+  Vec2 last = arc.begin - origin;
+  for (std::uint32_t i = 0; i < arc.piece_count; ++i) {
+    const ArcPiece& piece = section.pieces[arc.first_piece + i];
+    sum += cross(last, piece.at(0.0) - origin) + swept(piece, origin);
+    last = piece.at(1.0) - origin;
+  }
+  return sum + cross(last, arc.end - origin);
+}
+
+double polygon_area(const std::vector<Vec2>& points) {
+  double sum = 0.0;
+  for (std::size_t i = 2; i < points.size(); ++i) sum += cross(points[i - 1] - points[0], points[i] - points[0]);
+  return 0.5 * sum;
+}
+
+class Assembler {
+ public:
+  Assembler(const Scene& scene, const Section& section, const ContourRequest& request)
+      : scene_(scene), section_(section), request_(request), chord_error_(request.chord_error) {
+    if (!(chord_error_ >= kLeastChordError)) chord_error_ = kLeastChordError;  // NaN too
+  }
+
+  SectionContours run() {
+    result_.solid = request_.solid;
+    result_.z = request_.z;
+    const ArcChains chains = chain_arcs(section_);
+    for (const auto& arcs : chains.loops) add_loop(arcs);
+    const std::vector<std::int32_t> parents = find_parents(section_, kept_, result_.loops, chord_error_);
+    for (std::size_t i = 0; i < parents.size(); ++i) result_.loops[i].parent = parents[i];
+    for (const auto& arcs : chains.open) add_open(arcs);
+    report(chains);
+    return std::move(result_);
+  }
+
+ private:
+  void add_loop(const std::vector<std::uint32_t>& arcs) {
+    SectionLoop loop;
+    const Vec2 origin = section_.arcs[arcs.front()].begin;
+    for (const std::uint32_t i : arcs) loop.area += 0.5 * swept(section_, section_.arcs[i], origin);
+    result_.area += loop.area;
+    double chord_error = chord_error_;
+    for (int i = 0; i <= kRefinements; ++i, chord_error *= 0.25) {
+      loop.points = polygon(arcs, chord_error);
+      if (loop.points.size() > 2 && (polygon_area(loop.points) > 0.0) == (loop.area > 0.0)) break;
+    }
+    // Two chords to and fro.
+    if (loop.points.size() < 3) return;
+    result_.loops.push_back(std::move(loop));
+    kept_.push_back(arcs);
+  }
+
+  void add_open(const std::vector<std::uint32_t>& arcs) {
+    std::vector<Vec2> points = polygon(arcs, chord_error_);
+    const Vec2 begin = section_.arcs[arcs.front()].begin;
+    const Vec2 end = section_.arcs[arcs.back()].end;
+    if (points.empty() || points.back() != end) points.push_back(end);
+    result_.open.push_back(std::move(points));
+    std::ostringstream text;
+    text << "a contour does not close: it leads from " << place(begin) << " to " << place(end);
+    add_finding(Severity::error, section_.arcs[arcs.back()].face, text.str(),
+                "faces that should share an edge there do not; repair the solid or leave it out");
+  }
+
+  std::vector<Vec2> polygon(const std::vector<std::uint32_t>& arcs, double chord_error) const {
+    std::vector<Vec2> points;
+    for (const std::uint32_t i : arcs) append_arc(section_.arcs[i], chord_error, points);
+    points.erase(std::unique(points.begin(), points.end()), points.end());
+    while (points.size() > 1 && points.back() == points.front()) points.pop_back();
+    return points;
+  }
+
+  /// The arc's points but the node where it ends.
+  void append_arc(const SectionArc& arc, double chord_error, std::vector<Vec2>& points) const {
+    points.push_back(arc.begin);
+    if (arc.piece_count == 0) return;
+    const Vec2 first = section_.pieces[arc.first_piece].at(0.0);
+    const Vec2 last = section_.pieces[arc.first_piece + arc.piece_count - 1].at(1.0);
+    const double gap = (first - arc.begin).norm();
+    const double last_gap = (last - arc.end).norm();
+    const double spared = kSparedGap * chord_error;
+    if (gap > spared) points.push_back(first);
+    const double moved = std::max(gap > spared ? 0.0 : gap, last_gap > spared ? 0.0 : last_gap);
+    for (std::uint32_t i = 0; i < arc.piece_count; ++i) {
+      const ArcPiece& piece = section_.pieces[arc.first_piece + i];
+      if (i > 0) points.push_back(piece.at(0.0));
+      flatten(piece, chord_error - moved, points);
+    }
+    if (last_gap > spared) points.push_back(last);
+  }
+
+  void report(const ArcChains& chains) {
+    std::uint32_t doubtful = 0;
+    FaceId face;
+    for (const SectionArc& arc : section_.arcs) {
+      if (arc.doubtful && ++doubtful == 1) face = arc.face;
+    }
+    if (doubtful > 0) {
+      add_finding(Severity::warning, face,
+                  std::to_string(doubtful) + " arc(s) of the contours could not be followed; chords stand for them",
+                  {});
+    }
+    if (chains.doubled > 0) {
+      add_finding(Severity::warning, FaceId{},
+                  std::to_string(chains.doubled) + " arc(s) were there twice; one was kept",
+                  "the solid has a face twice");
+    }
+    if (chains.unusable > 0) {
+      add_finding(Severity::error, FaceId{},
+                  std::to_string(chains.unusable) + " arc(s) are not finite and were left out", {});
+    }
+  }
+
+  void add_finding(Severity severity, FaceId face, const std::string& what, const std::string& hint) {
+    Finding finding;
+    finding.severity = severity;
+    finding.solid = scene_.solids[request_.solid].info.path;
+    if (face.valid()) {
+      finding.face = scene_.faces[face].name;
+      const int entity = scene_.faces[face].step_entity;
+      if (entity != 0) finding.entity.append("#").append(std::to_string(entity));
+    }
+    std::ostringstream text;
+    text << "at z = " << request_.z << " mm " << what;
+    finding.what = text.str();
+    finding.hint = hint;
+    result_.findings.push_back(std::move(finding));
+  }
+
+  static std::string place(const Vec2& point) {
+    std::ostringstream text;
+    text << '(' << point.x() << ", " << point.y() << ')';
+    return text.str();
+  }
+
+  const Scene& scene_;
+  const Section& section_;
+  const ContourRequest& request_;
+  double chord_error_;
+  SectionContours result_;
+  std::vector<std::vector<std::uint32_t>> kept_;  ///< the arcs of each loop of the result
+};
+
+}  // namespace
+
+SectionContours assemble_contours(const Scene& scene, const Section& section, const ContourRequest& request) {
+  return Assembler(scene, section, request).run();
+}
+
+double section_area(const Section& section) {
+  if (section.arcs.empty()) return 0.0;
+  const Vec2 origin = section.arcs.front().begin;
+  double sum = 0.0;
+  for (const SectionArc& arc : section.arcs) sum += swept(section, arc, origin);
+  return 0.5 * sum;
+}
+
+}  // namespace lamella::span

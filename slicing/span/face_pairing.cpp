@@ -1,0 +1,339 @@
+// What FaceSection does when it enters a band: which node is joined to which by the section, and the loops that touch
+// no edge. Both are the same all over the band, so they are found in its middle, where nodes lie well apart.
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+#include "model/evaluate.h"
+#include "slicing/span/face_section.h"
+
+namespace lamella::span {
+
+void FaceSection::enter_band(std::size_t band, double layer_z, NodeTable& nodes, SectionCounters& counters) {
+  band_ = band;
+  const double middle = 0.5 * (face_->events[band] + face_->events[band + 1]);
+  // Between neighbouring doubles the middle may round to the upper one, which the band doesn't hold.
+  const double z = middle < face_->events[band + 1] ? middle : face_->events[band];
+  if (face_->kind != SectionKind::traced) families_.clear();
+  starts_.clear();
+  ends_.clear();
+  for (std::uint32_t i = 0; i < face_->uses.size(); ++i) {
+    const PieceUse& use = face_->uses[i];
+    if (!edges_->all()[use.piece].range.crosses(z)) continue;
+    (use.ends_arc ? ends_ : starts_).push_back(i);
+  }
+  switch (face_->kind) {
+    case SectionKind::plane:
+      pair_plane(z, nodes);
+      break;
+    case SectionKind::round:
+      pair_round(z, nodes);
+      break;
+    case SectionKind::traced:
+      is_paired_.assign(face_->uses.size(), 0);
+      carry_families(layer_z, nodes, counters);
+      pair_traced(z, nodes);
+      break;
+  }
+  counters.families += families_.size();
+}
+
+void FaceSection::pair_plane(double z, const NodeTable& nodes) {
+  const auto& plane = std::get<Plane>(face_->surface.surface());
+  const Vec3 normal = face_->sign * plane.frame.x.cross(plane.frame.y);
+  // Along z x n. A horizontal plane is only met within the tolerance of its vertices: any order will do.
+  const Vec2 along = normal.head<2>().norm() < 1e-9 ? Vec2(Vec2::UnitX()) : Vec2(-normal.y(), normal.x());
+  const auto sort = [&](std::vector<std::uint32_t>& uses) {
+    std::vector<std::pair<double, std::uint32_t>> keyed;
+    for (const std::uint32_t use : uses) {
+      keyed.emplace_back(along.dot(nodes.node_at(face_->uses[use].piece, z).xy), use);
+    }
+    std::sort(keyed.begin(), keyed.end());
+    for (std::size_t i = 0; i < uses.size(); ++i) uses[i] = keyed[i].second;
+  };
+  sort(starts_);
+  sort(ends_);
+  for (std::size_t i = 0; i < std::min(starts_.size(), ends_.size()); ++i) {
+    Family family;
+    family.begin = starts_[i];
+    family.end = ends_[i];
+    families_.push_back(family);
+  }
+}
+
+void FaceSection::pair_round(double z, const NodeTable& nodes) {
+  struct Candidate {
+    double sweep;
+    double offset;  ///< whole turns that the sweep holds beyond the difference of the charts
+    std::uint32_t begin;
+    std::uint32_t end;
+  };
+  const bool is_sphere = std::holds_alternative<Sphere>(face_->surface.surface());
+  std::vector<Candidate> candidates;
+  for (const std::uint32_t begin : starts_) {
+    const Node from = nodes.node_at(face_->uses[begin].piece, z);
+    const bool inner = is_inner(face_->uses[begin], from);
+    for (const std::uint32_t end : ends_) {
+      const Node to = nodes.node_at(face_->uses[end].piece, z);
+      if (is_inner(face_->uses[end], to) != inner) continue;
+      Family family = round_family(z, inner);
+      family.begin = begin;
+      family.end = end;
+      const double raw = sweep_between(family, z, from, to);
+      // An arc that ends where it begins has gone all the way round: the twins of a seam.
+      double sweep = raw - kTwoPi * std::floor(raw / kTwoPi);
+      if (sweep < 1e-12) sweep = kTwoPi;
+      candidates.push_back({sweep, sweep - raw, begin, end});
+    }
+  }
+  std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+    return std::tie(a.sweep, a.begin, a.end) < std::tie(b.sweep, b.begin, b.end);
+  });
+  is_paired_.assign(face_->uses.size(), 0);
+  for (const Candidate& candidate : candidates) {
+    if (is_paired_[candidate.begin] != 0 || is_paired_[candidate.end] != 0) continue;
+    is_paired_[candidate.begin] = is_paired_[candidate.end] = 1;
+    const PieceUse& use = face_->uses[candidate.begin];
+    Family family = round_family(z, is_inner(use, nodes.node_at(use.piece, z)));
+    family.begin = candidate.begin;
+    family.end = candidate.end;
+    family.sweep = is_sphere ? candidate.sweep : kTwoPi * std::round(candidate.offset / kTwoPi);
+    families_.push_back(family);
+  }
+  if (!starts_.empty() || !face_->region) return;
+  const bool is_torus = std::holds_alternative<Torus>(face_->surface.surface());
+  for (const bool inner : {false, true}) {
+    if ((inner && !is_torus) || !is_whole_ellipse(z, inner)) continue;
+    families_.push_back(round_family(z, inner));
+    families_.back().cut = 0;
+  }
+}
+
+FaceSection::Family FaceSection::round_family(double z, bool inner) const {
+  Family family;
+  family.inner = inner;
+  family.z = z;
+  family.turn = run_of(z, inner);
+  return family;
+}
+
+double FaceSection::run_of(double z, bool inner) const {
+  const Surface& surface = face_->surface.surface();
+  const PlaneEllipse ellipse = round_section(surface, z, inner);
+  const Vec2 uv = round_parameters(surface, z, inner, 0.0);
+  const Vec3 normal = face_->sign * evaluate(surface, uv).normal();
+  // z x n against the way that the angle runs at 0.
+  return Vec2(-normal.y(), normal.x()).dot(ellipse.sine) < 0.0 ? -1.0 : 1.0;
+}
+
+bool FaceSection::is_inner(const PieceUse& use, const Node& node) const {
+  return std::holds_alternative<Torus>(face_->surface.surface()) && std::cos(chart_point(use, node)[1]) < 0.0;
+}
+
+bool FaceSection::is_whole_ellipse(double z, bool inner) const {
+  const PlaneEllipse ellipse = round_section(face_->surface.surface(), z, inner);
+  if (!(ellipse.cosine.norm() > 0.0)) return false;
+  return face_->region->classify(round_parameters(face_->surface.surface(), z, inner, 0.0)) == TrimRegion::Side::inside;
+}
+
+void FaceSection::carry_families(double z, NodeTable& nodes, SectionCounters& counters) {
+  // An arc that can be carried over the event, every piece measured, is the same arc on the other side of it.
+  const double inner = inner_height(z);
+  std::vector<Family> kept;
+  for (Family& family : families_) {
+    CarriedArc& carried = family.carried;
+    family.sheet.clear();
+    if (carried.empty()) continue;
+    bool holds = false;
+    if (family.cut >= 0) {
+      const MonotonePiece& piece = face_->cuts[static_cast<std::size_t>(family.cut)].pieces[family.cut_piece];
+      if (!piece.crosses(inner)) continue;
+      const FacePoint seed = cut_point(family, inner);
+      holds = seed.usable &&
+              carry(face_->surface, face_->sign, seed.point, seed.point, inner, limits_, carried);
+    } else {
+      const bool is_there = std::binary_search(starts_.begin(), starts_.end(), family.begin) &&
+                            std::binary_search(ends_.begin(), ends_.end(), family.end);
+      if (!is_there) continue;
+      const FacePoint begin = layer_point(family.begin, z, inner, nodes);
+      const FacePoint end = layer_point(family.end, z, inner, nodes);
+      holds = begin.usable && end.usable &&
+              carry(face_->surface, face_->sign, begin.point, end.point, inner, limits_, carried);
+      if (holds) is_paired_[family.begin] = is_paired_[family.end] = 1;
+    }
+    if (holds) kept.push_back(std::move(family));
+  }
+  families_ = std::move(kept);
+  drop_pierced_families(inner, nodes);
+  counters.carried_families += families_.size();
+}
+
+void FaceSection::drop_pierced_families(double inner, NodeTable& nodes) {
+  // A border that begins at the event may cut through an arc that goes on analytically.
+  std::vector<Vec2> fresh;
+  for (const auto* uses : {&starts_, &ends_}) {
+    for (const std::uint32_t use : *uses) {
+      if (is_paired_[use] == 0) fresh.push_back(nodes.node_at(face_->uses[use].piece, inner).xy);
+    }
+  }
+  std::erase_if(families_, [&](const Family& family) {
+    const auto is_pierced = [&](const Vec2& node) { return passes_near(family.carried.arc, node); };
+    if (std::none_of(fresh.begin(), fresh.end(), is_pierced)) return false;
+    if (family.cut < 0) is_paired_[family.begin] = is_paired_[family.end] = 0;
+    return true;
+  });
+}
+
+bool FaceSection::passes_near(const TracedArc& arc, const Vec2& xy) {
+  for (std::size_t i = 0; i + 1 < arc.points.size(); ++i) {
+    const Vec2 chord = arc.points[i + 1].xy - arc.points[i].xy;
+    const double square = chord.squaredNorm();
+    const double along = std::clamp(chord.dot(xy - arc.points[i].xy) / square, 0.0, 1.0);
+    // An arc that turns by less than 0.6 stays within a sixth of its chord from it; near is enough to look again.
+    if ((xy - arc.points[i].xy - along * chord).squaredNorm() <= 0.04 * square) return true;
+  }
+  return false;
+}
+
+void FaceSection::pair_traced(double z, const NodeTable& nodes) {
+  points_.resize(face_->uses.size());
+  for (const auto* uses : {&starts_, &ends_}) {
+    for (const std::uint32_t use : *uses) {
+      if (is_paired_[use] == 0) points_[use] = face_point(face_->uses[use], nodes.node_at(face_->uses[use].piece, z), z);
+    }
+  }
+  pair_neighbors();
+  trace_starts();
+  pair_rest();
+}
+
+void FaceSection::join(std::uint32_t begin, std::uint32_t end) {
+  Family family;
+  family.begin = begin;
+  family.end = end;
+  families_.push_back(family);
+  is_paired_[begin] = is_paired_[end] = 1;
+}
+
+void FaceSection::pair_neighbors() {
+  std::vector<std::uint32_t> crossing = starts_;
+  crossing.insert(crossing.end(), ends_.begin(), ends_.end());
+  std::sort(crossing.begin(), crossing.end());
+  for (std::size_t first = 0; first < crossing.size();) {
+    std::size_t last = first + 1;
+    while (last < crossing.size() && face_->uses[crossing[last]].loop == face_->uses[crossing[first]].loop) ++last;
+    for (std::size_t i = first; i < last; ++i) {
+      std::uint32_t a = crossing[i];
+      std::uint32_t b = crossing[i + 1 < last ? i + 1 : first];
+      if (is_paired_[a] != 0 || is_paired_[b] != 0) continue;
+      if (face_->uses[a].ends_arc == face_->uses[b].ends_arc) continue;
+      if (face_->uses[a].ends_arc) std::swap(a, b);
+      if (points_[a].usable && points_[b].usable && are_joined(points_[a], points_[b])) join(a, b);
+    }
+    first = last;
+  }
+}
+
+void FaceSection::trace_starts() {
+  for (const std::uint32_t start : starts_) {
+    if (is_paired_[start] != 0 || !points_[start].usable) continue;
+    std::vector<SectionPoint> targets;
+    std::vector<std::uint32_t> ids;
+    for (const std::uint32_t end : ends_) {
+      if (is_paired_[end] != 0 || !points_[end].usable) continue;
+      targets.push_back(points_[end].point);
+      ids.push_back(end);
+    }
+    if (!trace(face_->surface, face_->sign, points_[start].point, targets, limits_, traced_)) continue;
+    join(start, ids[traced_.target]);
+  }
+}
+
+void FaceSection::pair_rest() {
+  for (const std::uint32_t start : starts_) {
+    if (is_paired_[start] != 0) continue;
+    std::uint32_t best = 0;
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const std::uint32_t end : ends_) {
+      const double distance = (points_[end].node - points_[start].node).norm();
+      if (is_paired_[end] != 0 || !(distance < nearest)) continue;
+      nearest = distance;
+      best = end;
+    }
+    if (std::isfinite(nearest)) join(start, best);
+  }
+}
+
+void FaceSection::find_roots(double z) {
+  roots_.clear();
+  for (std::uint32_t cut = 0; cut < face_->cuts.size(); ++cut) {
+    const CutLine& line = face_->cuts[cut];
+    for (std::uint32_t piece = 0; piece < line.pieces.size(); ++piece) {
+      if (!line.pieces[piece].crosses(z)) continue;
+      const double u = find_crossing(line.curve, line.pieces[piece], z, std::nan(""));
+      roots_.push_back({cut, piece, u, false});
+    }
+  }
+}
+
+void FaceSection::visit_roots(const TracedArc& arc) {
+  for (CutRoot& root : roots_) {
+    for (std::size_t i = 0; i + 1 < arc.points.size() && !root.visited; ++i) {
+      root.visited = meets_cut(arc.points[i], arc.points[i + 1], Vec2(root.u, face_->cuts[root.cut].v));
+    }
+  }
+}
+
+bool FaceSection::meets_cut(const SectionPoint& a, const SectionPoint& b, const Vec2& at) const {
+  const Vec2& periods = face_->surface.periods();
+  const auto wrapped = [](double difference, double period) {
+    return period > 0.0 ? difference - period * std::round(difference / period) : difference;
+  };
+  const double above_a = wrapped(a.uv[1] - at[1], periods[1]);
+  const double above_b = above_a + (b.uv[1] - a.uv[1]);
+  if ((above_a <= 0.0) == (above_b <= 0.0)) return false;
+  const double reach = 2.0 * (std::abs(b.uv[0] - a.uv[0]) + std::abs(b.uv[1] - a.uv[1]));
+  if (std::abs(wrapped(a.uv[0] - at[0], periods[0])) > reach) return false;
+  ArcPiece piece, uv;
+  if (!join_points(a, b, piece, uv)) return false;
+  // Where the piece crosses the line, by bisection: v(t) changes sign over it.
+  double lo = 0.0;
+  double hi = 1.0;
+  for (int i = 0; i < 40; ++i) {
+    const double middle = 0.5 * (lo + hi);
+    const double above = above_a + (uv.at(middle)[1] - a.uv[1]);
+    ((above <= 0.0) == (above_a <= 0.0) ? lo : hi) = middle;
+  }
+  const double aside = std::abs(wrapped(uv.at(lo)[0] - at[0], periods[0]));
+  return aside <= 1e-4 * reach;
+}
+
+void FaceSection::find_loops(double z) {
+  find_roots(z);
+  if (roots_.empty()) return;
+  for (const Family& family : families_) {
+    if (!family.carried.empty()) visit_roots(family.carried.arc);
+  }
+  for (std::size_t i = 0; i < roots_.size(); ++i) {
+    if (roots_[i].visited) continue;
+    const CutLine& line = face_->cuts[roots_[i].cut];
+    if (face_->region->classify(Vec2(roots_[i].u, line.v)) != TrimRegion::Side::inside) continue;
+    Family family;
+    family.cut = static_cast<std::int32_t>(roots_[i].cut);
+    family.cut_piece = roots_[i].piece;
+    const FacePoint seed = cut_point(family, z);
+    if (!seed.usable) continue;
+    roots_[i].visited = true;
+    // What runs into an end node is an arc that has been found already.
+    end_points_.front() = seed.point;
+    const bool landed = trace(face_->surface, face_->sign, seed.point, end_points_, limits_, family.carried.arc);
+    if (!landed || family.carried.arc.target != 0) continue;
+    family.carried.start(z);
+    visit_roots(family.carried.arc);
+    families_.push_back(std::move(family));
+  }
+}
+
+}  // namespace lamella::span

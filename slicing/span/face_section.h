@@ -1,0 +1,153 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "slicing/span/face_model.h"
+#include "slicing/span/propagate.h"
+#include "slicing/span/section.h"
+#include "slicing/span/sheet.h"
+#include "slicing/span/tracer.h"
+
+namespace lamella::span {
+
+/// Where an edge piece crosses a layer.
+struct Node {
+  double t = 0.0;  ///< parameter of the edge's curve
+  Vec2 xy = Vec2::Zero();
+};
+
+/// The nodes of one layer, each computed once and read by both faces of its edge.
+class NodeTable {
+ public:
+  NodeTable(const Scene& scene, const EdgePieces& edges);
+
+  /// Forgets the nodes of the last layer; their parameters stay as first guesses.
+  void start_layer(double z);
+  [[nodiscard]] const Node& node(std::uint32_t piece);
+  /// A node at another height, not kept.
+  [[nodiscard]] Node node_at(std::uint32_t piece, double z) const;
+
+ private:
+  const Scene* scene_;
+  const EdgePieces* edges_;
+  double z_ = 0.0;
+  std::uint32_t layer_ = 0;
+  std::vector<Node> nodes_;
+  std::vector<std::uint32_t> stamp_;
+};
+
+/// Cuts one face layer by layer, upward. What it knows of the band it is in (which node joins which) is carried from
+/// one layer to the next.
+class FaceSection {
+ public:
+  /// `heights` are all layers to come, ascending; they must outlive this.
+  FaceSection(const Scene& scene, const FaceModel& face, const EdgePieces& edges, const TraceLimits& limits,
+              std::span<const double> heights);
+
+  /// Appends the face's arcs on one of the heights, the one that `nodes` has been set to.
+  void cut(std::size_t layer, NodeTable& nodes, Section& out, SectionCounters& counters);
+
+ private:
+  /// An arc as it goes through a band: from one use to another, or a loop from a cut.
+  struct Family {
+    std::uint32_t begin = 0;  ///< in FaceModel::uses
+    std::uint32_t end = 0;
+    std::int32_t cut = -1;  ///< of a loop: index of the cut line and of its piece
+    std::uint32_t cut_piece = 0;
+    CarriedArc carried;  ///< what the last layer left
+    Sheet sheet;
+    std::size_t next_sheet = 0;  ///< layer from which another sheet may be tried
+    bool inner = false;   ///< ellipses: the inner circle of a torus
+    double turn = 1.0;    ///< ellipses: the sense in which the angle runs
+    double sweep = 0.0;   ///< ellipses: angle at `z`, positive
+    double z = 0.0;
+  };
+  /// One end of an arc on this face.
+  struct FacePoint {
+    SectionPoint point;
+    Vec2 chart = Vec2::Zero();  ///< (u, v) in the face's chart
+    Vec2 node = Vec2::Zero();   ///< stored
+    double tolerance = 0.0;
+    bool usable = false;
+  };
+
+  void enter_band(std::size_t band, double z, NodeTable& nodes, SectionCounters& counters);
+  void pair_plane(double z, const NodeTable& nodes);
+  void pair_round(double z, const NodeTable& nodes);
+  void pair_traced(double z, const NodeTable& nodes);
+  void join(std::uint32_t begin, std::uint32_t end);
+  void pair_neighbors();
+  void trace_starts();
+  void pair_rest();
+  void find_roots(double z);
+  void visit_roots(const TracedArc& arc);
+  [[nodiscard]] bool meets_cut(const SectionPoint& a, const SectionPoint& b, const Vec2& at) const;
+  void find_loops(double z);
+
+  void cut_plane(double z, NodeTable& nodes, Section& out) const;
+  void cut_round(double z, NodeTable& nodes, Section& out);
+  void cut_traced(double z, NodeTable& nodes, Section& out, SectionCounters& counters);
+  void carry_families(double z, NodeTable& nodes, SectionCounters& counters);
+  void drop_pierced_families(double inner, NodeTable& nodes);
+  [[nodiscard]] static bool passes_near(const TracedArc& arc, const Vec2& xy);
+  void cut_arc(Family& family, const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters);
+  [[nodiscard]] FacePoint layer_point(std::uint32_t use, double z, double inner, NodeTable& nodes) const;
+  bool cut_by_sheet(const Family& family, double inner, NodeTable& nodes, Section& out) const;
+  void try_sheet(Family& family, double inner, const NodeTable& nodes, SectionCounters& counters);
+  /// An arc that can't be followed from end to end: both ways as far as they come nearest, and a chord between.
+  void bridge(const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters);
+  /// Distance of the face from the middle of the chord between two of its points, mm.
+  [[nodiscard]] double height_off(const SectionPoint& a, const SectionPoint& b) const;
+  void cut_loop(Family& family, double z, Section& out, SectionCounters& counters);
+
+  [[nodiscard]] double inner_height(double z) const;
+  /// (u, v) of a node in the face's chart, by the pcurve.
+  [[nodiscard]] Vec2 chart_point(const PieceUse& use, const Node& node) const;
+  [[nodiscard]] FacePoint face_point(const PieceUse& use, const Node& node, double z) const;
+  [[nodiscard]] FacePoint cut_point(const Family& family, double z) const;
+  [[nodiscard]] bool lie_together(const FacePoint& begin, const FacePoint& end) const;
+  [[nodiscard]] bool are_joined(const FacePoint& begin, const FacePoint& end) const;
+  [[nodiscard]] bool is_whole_ellipse(double z, bool inner) const;
+  [[nodiscard]] double chart_angle(const PieceUse& use, const Node& node, const PlaneEllipse& ellipse) const;
+  [[nodiscard]] double sweep_between(const Family& family, double z, const Node& begin, const Node& end) const;
+  [[nodiscard]] Family round_family(double z, bool inner) const;
+  [[nodiscard]] double run_of(double z, bool inner) const;
+  [[nodiscard]] bool is_inner(const PieceUse& use, const Node& node) const;
+  double follow_sweep(Family& family, double z, NodeTable& nodes) const;
+  /// Appends an arc between two stored nodes; where its own ends lie off them, straight arcs lead there.
+  void append(const Vec2& begin, const Vec2& end, const std::vector<ArcPiece>& pieces, Section& out) const;
+  void append_range(Vec2 begin, Vec2 end, std::uint32_t first, Section& out) const;
+  void append_chord(const Vec2& begin, const Vec2& end, const Vec2& from, const Vec2& to, bool doubtful,
+                    Section& out) const;
+
+  const Scene* scene_;
+  const FaceModel* face_;
+  const EdgePieces* edges_;
+  TraceLimits limits_;
+  std::span<const double> heights_;
+  std::size_t layer_ = 0;
+  std::optional<std::size_t> band_;
+  bool entered_ = false;  ///< this layer is the first in its band
+  std::vector<Family> families_;
+  TracedArc traced_;
+  TracedArc backward_;
+
+  // Of the band being entered.
+  struct CutRoot {
+    std::uint32_t cut = 0;
+    std::uint32_t piece = 0;
+    double u = 0.0;
+    bool visited = false;
+  };
+  std::vector<std::uint32_t> starts_;  ///< uses that cross the band
+  std::vector<std::uint32_t> ends_;
+  std::vector<FacePoint> points_;  ///< one a use
+  std::vector<std::uint8_t> is_paired_;
+  std::vector<CutRoot> roots_;
+  std::vector<SectionPoint> end_points_;  ///< of the arcs on this layer, behind a place for a loop's seed
+};
+
+}  // namespace lamella::span

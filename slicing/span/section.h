@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/ids.h"
+#include "slicing/span/arc_piece.h"
+#include "slicing/span/round_section.h"
+
+namespace lamella::span {
+
+/// One arc of a solid's section on one layer. `begin` and `end` are stored nodes, the same bits in both faces at an
+/// edge: they decide which rows the arc crosses; the pieces say where.
+struct SectionArc {
+  FaceId face;
+  Vec2 begin = Vec2::Zero();
+  Vec2 end = Vec2::Zero();
+  std::uint32_t first_piece = 0;
+  std::uint32_t piece_count = 0;
+  bool straight = false;  ///< one piece of degree 1
+  bool doubtful = false;  ///< could not be traced: a chord stands in
+  std::int32_t ellipse = -1;  ///< index in Section::ellipses of an arc without pieces
+};
+
+/// All arcs of one solid on one layer, in the order of its faces.
+struct Section {
+  std::vector<SectionArc> arcs;
+  std::vector<ArcPiece> pieces;
+  std::vector<EllipseArc> ellipses;
+
+  void clear() {
+    arcs.clear();
+    ellipses.clear();
+    pieces.clear();
+  }
+};
+
+/// What cutting faces met.
+struct SectionCounters {
+  std::uint64_t arcs = 0;
+  std::uint64_t families = 0;       ///< pairings of nodes found
+  std::uint64_t carried_families = 0;  ///< of them, kept over an event
+  std::uint64_t sheets = 0;            ///< runs of layers interpolated
+  std::uint64_t traced = 0;         ///< arcs followed step by step
+  std::uint64_t doubtful_arcs = 0;  ///< chords in place of arcs that could not be traced
+  std::uint64_t unbalanced = 0;     ///< face-layers whose front and back don't balance
+
+  SectionCounters& operator+=(const SectionCounters& other);
+};
+
+}  // namespace lamella::span

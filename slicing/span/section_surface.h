@@ -1,0 +1,95 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "core/geometry.h"
+#include "model/curve.h"
+#include "model/evaluate.h"
+#include "model/surface.h"
+
+namespace lamella::span {
+
+/// One part of a surface within which it has continuous second derivatives, by its number along u and v; zeros for
+/// surfaces that are smooth all over. Knots of less continuity are the limits between cells; arcs have points on them.
+struct Cell {
+  int u = 0;
+  int v = 0;
+
+  bool operator==(const Cell&) const = default;
+};
+
+/// Rational Bezier nets of a surface or curve, evaluated with second derivatives.
+/// Poles are kept relative to an origin near the part, (w (x - o), w), so that parts far from the origin keep digits.
+class BezierNets {
+ public:
+  BezierNets() = default;
+  explicit BezierNets(const BSplineSurface& surface);
+  explicit BezierNets(const BSplineCurve<3>& curve);
+
+  [[nodiscard]] const std::vector<double>& breaks_u() const { return breaks_u_; }
+  [[nodiscard]] const std::vector<double>& breaks_v() const { return breaks_v_; }
+  [[nodiscard]] SurfacePoint2 evaluate(const Vec2& uv, const Cell& cell) const;
+  [[nodiscard]] SurfacePoint evaluate_slopes(const Vec2& uv, const Cell& cell) const;
+  /// For nets of a curve.
+  [[nodiscard]] CurvePoint2<3> evaluate(double t, int cell) const;
+
+ private:
+  [[nodiscard]] const Vec4* net_of(const Cell& cell) const;
+
+  int degree_u_ = 0;
+  int degree_v_ = 0;
+  bool rational_ = false;
+  std::vector<double> breaks_u_;
+  std::vector<double> breaks_v_;
+  std::vector<Vec4> poles_;  ///< net of cell (i, j) begins at (i * cells_v + j) * (degree_u + 1) * (degree_v + 1)
+  Vec3 origin_ = Vec3::Zero();
+};
+
+/// A face's surface as the tracer needs it: first and second derivatives, cell by cell. A cell's own limits are not
+/// limits of its evaluation: beyond them the piece goes on analytically.
+class SectionSurface {
+ public:
+  /// `surface` must outlive this.
+  explicit SectionSurface(const Surface& surface);
+
+  [[nodiscard]] SurfacePoint2 evaluate(const Vec2& uv, const Cell& cell) const;
+  /// Without second derivatives, for less.
+  [[nodiscard]] SurfacePoint evaluate_slopes(const Vec2& uv, const Cell& cell) const;
+
+  /// The cell that holds `uv`; on a break the one that a step along `heading` enters.
+  [[nodiscard]] Cell find_cell(const Vec2& uv, const Vec2& heading) const;
+
+  /// Limits of a cell along u (axis 0) or v (axis 1), infinite where the surface has none.
+  [[nodiscard]] Interval limits(const Cell& cell, int axis) const;
+  /// Whether there is another cell beyond the cell's upper (or lower) limit.
+  [[nodiscard]] bool has_neighbor(const Cell& cell, int axis, bool upper) const;
+
+  [[nodiscard]] bool has_cells() const { return !breaks_[0].empty() || !breaks_[1].empty(); }
+  /// Whether a knot with continuous second derivatives lies between two points of one cell.
+  [[nodiscard]] bool crosses_knot(const Vec2& a, const Vec2& b, const Cell& cell) const;
+
+  /// Period along u or v, or the length of a spline's domain; infinite where there is neither.
+  [[nodiscard]] double extent(int axis) const;
+  [[nodiscard]] const Vec2& periods() const { return periods_; }
+  [[nodiscard]] const Surface& surface() const { return *surface_; }
+
+ private:
+  [[nodiscard]] CurvePoint2<3> basis_point(double t, int piece) const;
+  /// Bezier piece along one axis that serves a place in a cell.
+  [[nodiscard]] int piece_of(int axis, double place, int cell) const;
+  void set_breaks(int axis, const std::vector<double>& pieces, const std::vector<double>& knots, int degree);
+
+  enum class Kind { analytic, spline, extrusion, revolution };
+
+  const Surface* surface_;
+  Kind kind_ = Kind::analytic;
+  bool has_nets_ = false;  ///< of a spline surface, or of the basis or meridian that is a spline
+  BezierNets nets_;
+  std::array<std::vector<double>, 2> pieces_;     ///< limits of the Bezier pieces along u and v
+  std::array<std::vector<double>, 2> breaks_;     ///< limits of the cells; empty where there are none
+  std::array<std::vector<int>, 2> first_piece_;   ///< of each cell, and one more
+  Vec2 periods_ = Vec2::Zero();
+};
+
+}  // namespace lamella::span

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+#include "slicing/span/propagate.h"
+
+namespace lamella::span {
+
+/// The arcs of one family over a run of layers: every coefficient of every piece as a polynomial of degree 4 in z,
+/// through five exact sections at the run's Chebyshev-Lobatto heights. A layer within the run costs no evaluation of
+/// the surface.
+class Sheet {
+ public:
+  static constexpr int kNodes = 5;
+  /// A shorter run is not worth a sheet.
+  static constexpr std::size_t kFewestLayers = 7;
+
+  /// Both ends of the arc at a height; false where one can't be placed.
+  using EndsAt = std::function<bool(double z, SectionPoint& begin, SectionPoint& end)>;
+
+  /// Builds the sheet from `carried`, an arc at the lower end of [low, high], which is left at the upper end when it
+  /// succeeds and as it was when it doesn't. Interior points move on straight lines in (u, v), those on cell limits
+  /// along them. The result is measured against the surface between the nodes, in the middle of every piece: false if
+  /// the tolerance isn't kept.
+  bool build(const SectionSurface& surface, double sign, double low, double high, const TraceLimits& limits,
+             const EndsAt& ends_at, CarriedArc& carried);
+
+  [[nodiscard]] bool covers(double z) const { return !coefficients_.empty() && low_ <= z && z <= high_; }
+  void clear() { coefficients_.clear(); }
+  [[nodiscard]] std::size_t piece_count() const { return piece_count_; }
+  /// Writes piece_count() pieces of the arc at height z.
+  void evaluate(double z, ArcPiece* pieces) const;
+
+ private:
+  double low_ = 0.0;
+  double high_ = 0.0;
+  std::size_t piece_count_ = 0;
+  std::vector<double> coefficients_;  ///< [power][piece][12]
+};
+
+}  // namespace lamella::span

@@ -1,0 +1,171 @@
+#include "slicing/span/span_engine.h"
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+
+#include "core/parallel.h"
+#include "slicing/span/contours.h"
+#include "slicing/span/face_model.h"
+#include "slicing/span/face_section.h"
+#include "slicing/span/row_cast.h"
+
+namespace lamella {
+
+using namespace span;
+
+namespace {
+
+/// One solid, prepared.
+struct SolidSpans {
+  SolidId id;
+  EdgePieces edges;
+  std::vector<FaceModel> faces;
+  double low = 0.0;  ///< range of heights of its faces
+  double high = 0.0;
+
+  SolidSpans(const Scene& scene, SolidId solid) : id(solid), edges(scene, solid) {
+    for (const ShellId shell : scene.solids[solid].shells) {
+      for (const FaceId face : scene.shells[shell].faces) {
+        faces.emplace_back(scene, face, edges);
+        if (faces.back().events.empty()) faces.pop_back();
+      }
+    }
+    if (faces.empty()) return;
+    low = faces.front().events.front();
+    high = faces.front().events.back();
+    for (const FaceModel& face : faces) {
+      low = std::min(low, face.events.front());
+      high = std::max(high, face.events.back());
+    }
+  }
+
+  [[nodiscard]] bool meets(double from, double to) const { return low <= to && from <= high; }
+};
+
+/// What is carried through a slab for one solid.
+class SolidSlab {
+ public:
+  SolidSlab(const Scene& scene, const SolidSpans& solid, std::span<const double> heights, const TraceLimits& limits)
+      : solid_(&solid), heights_(heights), nodes_(scene, solid.edges) {
+    const double from = heights.front();
+    const double to = heights.back();
+    for (const FaceModel& face : solid.faces) {
+      if (face.events.front() <= to && from < face.events.back()) faces_.emplace_back(scene, face, solid.edges, limits, heights);
+    }
+  }
+
+  void cut(std::size_t layer, Section& out, SectionCounters& counters) {
+    const double z = heights_[layer];
+    if (!solid_->meets(z, z)) return;
+    nodes_.start_layer(z);
+    for (FaceSection& face : faces_) face.cut(layer, nodes_, out, counters);
+  }
+
+ private:
+  const SolidSpans* solid_;
+  std::span<const double> heights_;
+  NodeTable nodes_;
+  std::vector<FaceSection> faces_;
+};
+
+}  // namespace
+
+struct SpanEngine::Data {
+  const Scene* scene = nullptr;
+  SpanOptions options;
+  std::vector<std::unique_ptr<const SolidSpans>> solids;
+  std::vector<Finding> findings;
+
+  [[nodiscard]] TraceLimits limits() const {
+    TraceLimits limits;
+    limits.tolerance = options.tolerance;
+    return limits;
+  }
+
+  /// Calls visit(z, section) for each of the ascending heights, slab by slab; the section of a solid that isn't ours is
+  /// empty.
+  template <class Visit>
+  void for_each_section(SolidId id, std::span<const double> heights, const Visit& visit) const {
+    const auto solid = std::find_if(solids.begin(), solids.end(), [&](const auto& s) { return s->id == id; });
+    TraceLimits as_pieces = limits();
+    as_pieces.ellipses = false;
+    Section section;
+    SectionCounters counters;
+    for (std::size_t first = 0; first < heights.size(); first += kSlabLayers) {
+      const auto layers = heights.subspan(first, std::min(kSlabLayers, heights.size() - first));
+      std::optional<SolidSlab> slab;
+      if (solid != solids.end()) slab.emplace(*scene, **solid, layers, as_pieces);
+      for (std::size_t i = 0; i < layers.size(); ++i) {
+        section.clear();
+        if (slab) slab->cut(i, section, counters);
+        visit(layers[i], section);
+      }
+    }
+  }
+};
+
+SpanEngine::SpanEngine(const Scene& scene, std::span<const SolidId> solids, const SpanOptions& options,
+                       const Progress& progress)
+    : data_(std::make_unique<Data>()) {
+  data_->scene = &scene;
+  data_->options = options;
+  data_->solids.resize(solids.size());
+  parallel_for(
+      solids.size(),
+      [&](std::size_t i) {
+        progress.throw_if_cancelled();
+        data_->solids[i] = std::make_unique<const SolidSpans>(scene, solids[i]);
+      },
+      options.threads);
+}
+
+SpanEngine::~SpanEngine() = default;
+SpanEngine::SpanEngine(SpanEngine&&) noexcept = default;
+
+void SpanEngine::cut(std::span<const LayerRequest> slab, std::span<LayerSpans> out) const {
+  if (slab.empty()) return;
+  std::vector<SolidSlab> solids;
+  std::vector<double> heights;
+  for (const LayerRequest& request : slab) heights.push_back(request.z);
+  for (const auto& solid : data_->solids) {
+    if (solid->meets(heights.front(), heights.back())) {
+      solids.emplace_back(*data_->scene, *solid, heights, data_->limits());
+    }
+  }
+  RowCast rows(*data_->scene);
+  Section section;
+  SectionCounters counters;
+  for (std::size_t i = 0; i < slab.size(); ++i) {
+    section.clear();
+    for (SolidSlab& solid : solids) solid.cut(i, section, counters);
+    out[i].lattices.resize(slab[i].lattices.size());
+    for (std::size_t k = 0; k < slab[i].lattices.size(); ++k) {
+      rows.cast(section, slab[i].lattices[k], out[i].lattices[k], out[i].cast);
+    }
+  }
+}
+
+SectionContours SpanEngine::contours(SolidId solid, double z, double chord_error) const {
+  return contours(solid, std::span(&z, 1), chord_error).front();
+}
+
+std::vector<SectionContours> SpanEngine::contours(SolidId solid, std::span<const double> heights,
+                                                  double chord_error) const {
+  std::vector<SectionContours> result;
+  data_->for_each_section(solid, heights, [&](double z, const Section& section) {
+    result.push_back(assemble_contours(*data_->scene, section, {solid, z, chord_error}));
+  });
+  return result;
+}
+
+std::vector<double> SpanEngine::section_areas(SolidId solid, std::span<const double> heights) const {
+  std::vector<double> areas;
+  data_->for_each_section(solid, heights,
+                          [&](double, const Section& section) { areas.push_back(section_area(section)); });
+  return areas;
+}
+
+const std::vector<Finding>& SpanEngine::findings() const { return data_->findings; }
+
+}  // namespace lamella
