@@ -13,6 +13,8 @@ namespace lamella::span {
 
 namespace {
 
+constexpr double kOverreach = 1e-9;  // mm, of a cut beyond the face's border
+
 constexpr int kLoopSamples = 12;  // a half-edge, to find a loop's sense and reach
 
 /// What the loops of a face look like in its chart.
@@ -158,6 +160,9 @@ class Builder {
     const double z_begin = evaluate_point(face_.surface, from).z();
     const double z_end = evaluate_point(face_.surface, {end, from[1]}).z();
     cut.pieces = monotone_pieces(cut.curve, {from[0], end}, z_begin, z_end);
+    // It ends on the face's border, whose stored height may differ in the last bits: reach over it.
+    MonotonePiece& last = cut.pieces.back();
+    last.z1 += last.rises() ? kOverreach : -kOverreach;
     for (const MonotonePiece& piece : cut.pieces) {
       cut_heights_.push_back(piece.z0);
       cut_heights_.push_back(piece.z1);

@@ -148,7 +148,7 @@ void FaceSection::carry_families(double z, NodeTable& nodes, SectionCounters& co
   for (Family& family : families_) {
     CarriedArc& carried = family.carried;
     if (carried.empty()) continue;
-    bool holds = family.sheet.covers(inner);
+    bool holds = family.sheet.covers(inner) || carried.z == inner;
     if (family.cut >= 0) {
       const MonotonePiece& piece = face_->cuts[static_cast<std::size_t>(family.cut)].pieces[family.cut_piece];
       if (!piece.crosses(inner)) continue;
@@ -347,7 +347,8 @@ void FaceSection::find_loops(double z) {
   for (std::size_t i = 0; i < roots_.size(); ++i) {
     if (roots_[i].visited) continue;
     const CutLine& line = face_->cuts[roots_[i].cut];
-    if (face_->region->classify(Vec2(roots_[i].u, line.v)) != TrimRegion::Side::inside) continue;
+    const Vec2 slack = 1e-9 * face_->region->bounds().sizes();
+    if (face_->region->classify(Vec2(roots_[i].u, line.v), slack) == TrimRegion::Side::outside) continue;
     Family family;
     family.cut = static_cast<std::int32_t>(roots_[i].cut);
     family.cut_piece = roots_[i].piece;

@@ -395,7 +395,9 @@ void FaceSection::bridge(const FacePoint& begin, const FacePoint& end, Section& 
   const Vec2 first = from == 0 ? begin.node : a.xy;
   const Vec2 second = to == 0 ? end.node : b.xy;
   if (from > 0) append(begin.node, first, traced_.pieces, out);
-  const bool doubtful = !(height_off(a, b) <= std::max(begin.tolerance, end.tolerance));
+  // The twins of a seam lie together, but the arc between them goes all the way round.
+  const bool is_round = begin.piece == end.piece;
+  const bool doubtful = is_round || !(height_off(a, b) <= std::max(begin.tolerance, end.tolerance));
   if (doubtful) ++counters.doubtful_arcs;
   append_chord(first, second, a.xy, b.xy, doubtful, out);
   if (to == 0) return;

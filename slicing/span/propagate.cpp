@@ -67,7 +67,8 @@ class Carrier {
   bool move_point(std::size_t i, Place& place) const {
     const double dz = z_ - carried_.z;
     Vec2 step = carried_.velocity[i] * dz;
-    if (!carried_.last_velocity.empty()) {
+    // Two layers may be nearly one, and say nothing then.
+    if (!carried_.last_velocity.empty() && std::abs(dz) < 16.0 * std::abs(carried_.z - carried_.last_z)) {
       step += (carried_.velocity[i] - carried_.last_velocity[i]) * (0.5 * dz * dz / (carried_.z - carried_.last_z));
     }
     const std::vector<SectionPoint>& points = carried_.arc.points;

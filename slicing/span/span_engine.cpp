@@ -16,12 +16,17 @@ using namespace span;
 
 namespace {
 
+/// Events nearer than this are one feature seen through rounding; together they span at most kWidestCluster.
+constexpr double kSameFeature = 1e-9;     // mm
+constexpr double kWidestCluster = 1e-8;  // mm
+
 /// One solid, prepared.
 struct SolidSpans {
   SolidId id;
   EdgePieces edges;
   std::vector<FaceModel> faces;
-  double low = 0.0;  ///< range of heights of its faces
+  std::vector<Interval> clusters;  ///< ascending
+  double low = 0.0;                ///< range of heights of its faces
   double high = 0.0;
 
   SolidSpans(const Scene& scene, SolidId solid) : id(solid), edges(scene, solid) {
@@ -38,6 +43,31 @@ struct SolidSpans {
       low = std::min(low, face.events.front());
       high = std::max(high, face.events.back());
     }
+    find_clusters();
+  }
+
+  /// The height at which a layer at z is cut. Between the heights of one feature as different faces have them (a
+  /// horizontal edge whose vertices differ in the last bit) the section is noise: such a layer is cut at their upper
+  /// end, as the half-open rule has it, in all faces alike.
+  [[nodiscard]] double settled(double z) const {
+    const auto above = std::upper_bound(clusters.begin(), clusters.end(), z,
+                                        [](double height, const Interval& cluster) { return height < cluster.hi; });
+    return above != clusters.end() && z >= above->lo ? above->hi : z;
+  }
+
+  void find_clusters() {
+    std::vector<double> events;
+    for (const FaceModel& face : faces) events.insert(events.end(), face.events.begin(), face.events.end());
+    std::sort(events.begin(), events.end());
+    for (std::size_t first = 0; first < events.size();) {
+      std::size_t last = first;
+      while (last + 1 < events.size() && events[last + 1] - events[last] <= kSameFeature &&
+             events[last + 1] - events[first] <= kWidestCluster) {
+        ++last;
+      }
+      if (events[last] > events[first]) clusters.push_back({events[first], events[last]});
+      first = last + 1;
+    }
   }
 
   [[nodiscard]] bool meets(double from, double to) const { return low <= to && from <= high; }
@@ -47,11 +77,12 @@ struct SolidSpans {
 class SolidSlab {
  public:
   SolidSlab(const Scene& scene, const SolidSpans& solid, std::span<const double> heights, const TraceLimits& limits)
-      : solid_(&solid), heights_(heights), nodes_(scene, solid.edges) {
-    const double from = heights.front();
-    const double to = heights.back();
+      : solid_(&solid), nodes_(scene, solid.edges) {
+    for (const double z : heights) heights_.push_back(solid.settled(z));
+    const double from = heights_.front();
+    const double to = heights_.back();
     for (const FaceModel& face : solid.faces) {
-      if (face.events.front() <= to && from < face.events.back()) faces_.emplace_back(scene, face, solid.edges, limits, heights);
+      if (face.events.front() <= to && from < face.events.back()) faces_.emplace_back(scene, face, solid.edges, limits, heights_);
     }
   }
 
@@ -64,7 +95,7 @@ class SolidSlab {
 
  private:
   const SolidSpans* solid_;
-  std::span<const double> heights_;
+  std::vector<double> heights_;
   NodeTable nodes_;
   std::vector<FaceSection> faces_;
 };

@@ -197,9 +197,10 @@ class Trace {
     return best < targets_.size() && finish(best, best_uv);
   }
 
+  /// By a whole period, or nearly: passing a pole closely takes half of one.
   [[nodiscard]] bool has_come_round(const Vec2& uv) const {
     const Vec2 way = (uv - arc_.points.front().uv).cwiseAbs();
-    return way[0] > 0.5 * surface_.extent(0) || way[1] > 0.5 * surface_.extent(1);
+    return way[0] > 0.75 * surface_.extent(0) || way[1] > 0.75 * surface_.extent(1);
   }
 
   bool is_on(const Step& step, const SectionPoint& target, const Vec2& uv, double t) const {
