@@ -101,8 +101,6 @@ class FaceSection {
   [[nodiscard]] FacePoint layer_point(std::uint32_t use, double z, double inner, NodeTable& nodes) const;
   bool keeps_to_nodes(const Family& family, const ArcPiece* pieces, std::uint32_t count, NodeTable& nodes) const;
   bool cut_by_sheet(Family& family, double inner, NodeTable& nodes, Section& out) const;
-  /// Whether both ends of a family are still there at a height above.
-  [[nodiscard]] bool lasts_to(const Family& family, double z) const;
   void try_sheet(Family& family, double inner, const NodeTable& nodes, SectionCounters& counters);
   /// An arc that can't be followed from end to end: both ways as far as they come nearest, and a chord between.
   void bridge(const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters);

@@ -142,6 +142,7 @@ class Builder {
     for (int axis = 0; axis < 2; ++axis) {
       if (periods[axis] > 0.0) uv[axis] += periods[axis] * std::round((points_[i].uv[axis] - uv[axis]) / periods[axis]);
     }
+    if (!surface_.holds(cell, uv, -1)) return false;
     points_[i] = surface_.has_cells() ? section_point(surface_.evaluate(uv, cell), uv, sign_) : given;
     points_[i].uv = uv;
     points_[i].z = z;
@@ -168,22 +169,12 @@ class Builder {
       if (off <= kExactShift * scale) break;
     }
     const Vec2 uv = from + travel * way.direction;
-    if (!is_within(uv, cell, carried_.arc.axes[i])) return false;
+    if (!surface_.holds(cell, uv, carried_.arc.axes[i])) return false;
     way.travel[node] = travel;
     shift(at, step * way.direction);
     points_[i] = section_point(at, uv, sign_);
     points_[i].z = z;
     return points_[i].uv_bend.allFinite();
-  }
-
-  bool is_within(const Vec2& uv, const Cell& cell, int fixed_axis) const {
-    for (int axis = 0; axis < 2; ++axis) {
-      if (axis == fixed_axis) continue;
-      const Interval limits = surface_.limits(cell, axis);
-      const double slack = 1e-9 * limits.length();
-      if (!(uv[axis] >= limits.lo - slack && uv[axis] <= limits.hi + slack)) return false;
-    }
-    return true;
   }
 
   /// The pieces between the points as they are now become the values at a node.
