@@ -32,11 +32,7 @@ InputError refusal(const std::string& body) {
 constexpr const char* kLibrary = "<library><material name=\"A\"/><material name=\"B\"/></library>";
 
 std::string with_rules(const std::string& rules) {
-  std::string text = kLibrary;
-  text += "\n<assignments>\n";
-  text += rules;
-  text += "\n</assignments>";
-  return text;
+  return std::string(kLibrary) + "\n<assignments>\n" + rules + "\n</assignments>";
 }
 
 TEST(ReadRules, EveryAttributeArrives) {
