@@ -91,7 +91,7 @@ ArcPiece straight_piece(const Vec2& a, const Vec2& b) {
 
 ArcPiece reversed(const ArcPiece& piece) {
   // c(1 - t): the Taylor coefficients about 1 with alternating signs.
-  constexpr int kBinomial[6][6] = {{1, 1, 1, 1, 1, 1}, {0, 1, 2, 3, 4, 5},  {0, 0, 1, 3, 6, 10},
+  constexpr int kBinomial[6][6] = {{1, 1, 1, 1, 1, 1},  {0, 1, 2, 3, 4, 5}, {0, 0, 1, 3, 6, 10},
                                    {0, 0, 0, 1, 4, 10}, {0, 0, 0, 0, 1, 5}, {0, 0, 0, 0, 0, 1}};
   ArcPiece result;
   for (int k = 0; k < 6; ++k) {

@@ -1,6 +1,6 @@
-// Compiled once for each level of the architecture, with LAMELLA_LEVEL in the functions' names. Nothing in here may have
-// external linkage but those functions, and no inline function of a header may be used: at link time one copy of those
-// would be kept, perhaps one with instructions that an older machine lacks.
+// Compiled once for each level of the architecture, with LAMELLA_LEVEL in the functions' names. Nothing in here may
+// have external linkage but those functions, and no inline function of a header may be used: at link time one copy of
+// those would be kept, perhaps one with instructions that an older machine lacks.
 
 #include "slicing/span/depth_kernel.h"
 

@@ -62,9 +62,9 @@ struct FaceModel {
   SectionSurface surface;
   double sign = 1.0;  ///< +1: the outward normal is S_u x S_v
   double tolerance = 0.0;
-  double size = 0.0;            ///< mm, diagonal of its vertices and pieces, a scale for steps
-  std::vector<PieceUse> uses;   ///< loop by loop in their order
-  std::vector<double> events;   ///< ascending heights between which the topology of the section doesn't change
+  double size = 0.0;           ///< mm, diagonal of its vertices and pieces, a scale for steps
+  std::vector<PieceUse> uses;  ///< loop by loop in their order
+  std::vector<double> events;  ///< ascending heights between which the topology of the section doesn't change
   std::vector<CutLine> cuts;
   std::optional<TrimRegion> region;  ///< only where a section may touch no edge
   bool complete = true;              ///< false when the search for critical heights hit its limit

@@ -153,8 +153,8 @@ void FaceSection::carry_families(double z, NodeTable& nodes, SectionCounters& co
       const MonotonePiece& piece = face_->cuts[static_cast<std::size_t>(family.cut)].pieces[family.cut_piece];
       if (!piece.crosses(inner)) continue;
       const FacePoint seed = holds ? FacePoint{} : cut_point(family, inner);
-      holds = holds || (seed.usable &&
-                        carry(face_->surface, face_->sign, seed.point, seed.point, inner, limits_, carried));
+      holds =
+          holds || (seed.usable && carry(face_->surface, face_->sign, seed.point, seed.point, inner, limits_, carried));
     } else {
       const bool is_there = std::binary_search(starts_.begin(), starts_.end(), family.begin) &&
                             std::binary_search(ends_.begin(), ends_.end(), family.end);
@@ -215,7 +215,8 @@ void FaceSection::pair_traced(double z, const NodeTable& nodes) {
   points_.resize(face_->uses.size());
   for (const auto* uses : {&starts_, &ends_}) {
     for (const std::uint32_t use : *uses) {
-      if (is_paired_[use] == 0) points_[use] = face_point(face_->uses[use], nodes.node_at(face_->uses[use].piece, z), z);
+      if (is_paired_[use] == 0)
+        points_[use] = face_point(face_->uses[use], nodes.node_at(face_->uses[use].piece, z), z);
     }
   }
   pair_neighbors();

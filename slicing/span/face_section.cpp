@@ -142,8 +142,8 @@ double FaceSection::chart_angle(const PieceUse& use, const Node& node, const Pla
 
 double FaceSection::sweep_between(const Family& family, double z, const Node& begin, const Node& end) const {
   const PlaneEllipse ellipse = round_section(face_->surface.surface(), z, family.inner);
-  return family.turn * (chart_angle(face_->uses[family.end], end, ellipse) -
-                        chart_angle(face_->uses[family.begin], begin, ellipse));
+  return family.turn *
+         (chart_angle(face_->uses[family.end], end, ellipse) - chart_angle(face_->uses[family.begin], begin, ellipse));
 }
 
 double FaceSection::follow_sweep(Family& family, double z, NodeTable& nodes) const {
@@ -347,8 +347,7 @@ void FaceSection::cut_arc(Family& family, const FacePoint& begin, const FacePoin
     append(begin.node, end.node, carried.arc.pieces, out);
     return;
   }
-  if (!carried.empty() &&
-      carry(face_->surface, face_->sign, begin.point, end.point, z, limits_, carried)) {
+  if (!carried.empty() && carry(face_->surface, face_->sign, begin.point, end.point, z, limits_, carried)) {
     append(begin.node, end.node, carried.arc.pieces, out);
     return;
   }
@@ -412,8 +411,7 @@ void FaceSection::cut_loop(Family& family, double z, Section& out, SectionCounte
   const FacePoint seed = cut_point(family, z);
   CarriedArc& carried = family.carried;
   if (seed.usable && !carried.empty() &&
-      (carried.z == z ||
-       carry(face_->surface, face_->sign, seed.point, seed.point, z, limits_, carried))) {
+      (carried.z == z || carry(face_->surface, face_->sign, seed.point, seed.point, z, limits_, carried))) {
     append(seed.node, seed.node, carried.arc.pieces, out);
     return;
   }

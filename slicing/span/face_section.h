@@ -60,9 +60,9 @@ class FaceSection {
     CarriedArc carried;  ///< what the last layer left
     Sheet sheet;
     std::size_t next_sheet = 0;  ///< layer from which another sheet may be tried
-    bool inner = false;   ///< ellipses: the inner circle of a torus
-    double turn = 1.0;    ///< ellipses: the sense in which the angle runs
-    double sweep = 0.0;   ///< ellipses: angle at `z`, positive
+    bool inner = false;          ///< ellipses: the inner circle of a torus
+    double turn = 1.0;           ///< ellipses: the sense in which the angle runs
+    double sweep = 0.0;          ///< ellipses: angle at `z`, positive
     double z = 0.0;
   };
   /// One end of an arc on this face.
@@ -153,7 +153,7 @@ class FaceSection {
   std::vector<FacePoint> points_;  ///< one a use
   std::vector<std::uint8_t> is_paired_;
   std::vector<CutRoot> roots_;
-  std::vector<ArcPiece> pieces_;  ///< of the family being looked at
+  std::vector<ArcPiece> pieces_;          ///< of the family being looked at
   std::vector<SectionPoint> end_points_;  ///< of the arcs on this layer, behind a place for a loop's seed
 };
 

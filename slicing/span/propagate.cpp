@@ -56,7 +56,8 @@ class Carrier {
     const Vec2& periods = surface_.periods();
     Vec2 uv = given.uv;
     for (int axis = 0; axis < 2; ++axis) {
-      if (periods[axis] > 0.0) uv[axis] += periods[axis] * std::round((place.point.uv[axis] - uv[axis]) / periods[axis]);
+      if (periods[axis] > 0.0)
+        uv[axis] += periods[axis] * std::round((place.point.uv[axis] - uv[axis]) / periods[axis]);
     }
     // Beyond its cell the piece would go on analytically, the surface doesn't.
     if (!surface_.holds(place.cell, uv, -1)) return false;

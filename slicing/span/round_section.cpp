@@ -15,7 +15,9 @@ constexpr double kVertical = 1e-14;
 
 constexpr double kLongestStep = 0.6;  // radians of one quintic
 
-bool is_vertical(const Frame& frame) { return std::abs(frame.x.z()) <= kVertical && std::abs(frame.y.z()) <= kVertical; }
+bool is_vertical(const Frame& frame) {
+  return std::abs(frame.x.z()) <= kVertical && std::abs(frame.y.z()) <= kVertical;
+}
 
 Vec2 flat(const Vec3& v) { return v.head<2>(); }
 
@@ -55,7 +57,9 @@ PlaneEllipse section_of(const Torus& torus, double z, bool inner) {
 
 /// Quintic with the positions, tangents and curvatures of the ellipse over one step.
 ArcPiece piece_of(const PlaneEllipse& ellipse, double from, double step) {
-  const auto slope = [&](double a) -> Vec2 { return (std::cos(a) * ellipse.sine - std::sin(a) * ellipse.cosine) * step; };
+  const auto slope = [&](double a) -> Vec2 {
+    return (std::cos(a) * ellipse.sine - std::sin(a) * ellipse.cosine) * step;
+  };
   const auto bend = [&](double a) -> Vec2 { return (ellipse.center - ellipse.at(a)) * (step * step); };
   const double to = from + step;
   const Vec2 p = ellipse.at(from), d = slope(from), h = 0.5 * bend(from);

@@ -14,8 +14,8 @@ namespace {
 /// Accepted residual of a row's y, mm; rows are solved to rounding, this only catches what failed.
 constexpr double kRowResidual = 1e-9;
 
-/// Hits of one solid may come in the wrong order over this length, whatever the file states: ten times the accuracy of an
-/// arc between its exact points.
+/// Hits of one solid may come in the wrong order over this length, whatever the file states: ten times the accuracy of
+/// an arc between its exact points.
 constexpr double kLeastTolerance = 1e-6;  // mm
 
 /// Bernstein coefficients of y'(t) on [0, 1].
@@ -184,7 +184,8 @@ void RowCast::collect_ellipse(const SectionArc& arc, const EllipseArc& part, std
     const double turn = (forward ? half + 1.0 : half) * kPi;
     const bool is_last = forward ? turn >= last : turn <= last;
     const bool is_even_turn = std::fmod(std::abs(forward ? half + 1.0 : half), 2.0) == 0.0;
-    const double y_end = is_last ? lattice.across.dot(arc.end) : task.center_y + (is_even_turn ? task.reach : -task.reach);
+    const double y_end =
+        is_last ? lattice.across.dot(arc.end) : task.center_y + (is_even_turn ? task.reach : -task.reach);
     task.bulge = std::fmod(std::abs(half), 2.0) == 0.0 ? bulge : -bulge;
     const std::size_t before = stretches_.size();
     add_stretch(index, static_cast<std::uint32_t>(rounds_.size()), y, y_end, 0.0, 1.0);

@@ -42,7 +42,8 @@ class RowCast {
   void lay_rows(const RowLattice& lattice);
   void turn_pieces(const Section& section, const RowLattice& lattice);
   void collect(const Section& section, const RowLattice& lattice);
-  void collect_ellipse(const SectionArc& arc, const EllipseArc& ellipse, std::uint32_t index, const RowLattice& lattice);
+  void collect_ellipse(const SectionArc& arc, const EllipseArc& ellipse, std::uint32_t index,
+                       const RowLattice& lattice);
   void collect_arc(const SectionArc& arc, std::uint32_t index, const RowLattice& lattice);
   void add_stretch(std::uint32_t arc, std::uint32_t piece, double y_begin, double y_end, double t_begin, double t_end);
   [[nodiscard]] std::uint32_t first_row_at(double y) const;
@@ -66,10 +67,10 @@ class RowCast {
   std::vector<SolidId> solid_of_arc_;
   void note_winding(SolidId solid, std::int32_t before, double x, CastCounters& counters);
 
-  std::vector<std::int32_t> winding_;       ///< per solid
-  std::vector<std::uint64_t> open_span_;    ///< per solid
-  std::vector<double> off_since_;           ///< per solid: where its winding left {0, 1}
-  std::vector<double> tolerance_;           ///< per solid, mm: how long it may be off
+  std::vector<std::int32_t> winding_;     ///< per solid
+  std::vector<std::uint64_t> open_span_;  ///< per solid
+  std::vector<double> off_since_;         ///< per solid: where its winding left {0, 1}
+  std::vector<double> tolerance_;         ///< per solid, mm: how long it may be off
 };
 
 }  // namespace lamella::span

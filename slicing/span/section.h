@@ -17,8 +17,8 @@ struct SectionArc {
   Vec2 end = Vec2::Zero();
   std::uint32_t first_piece = 0;
   std::uint32_t piece_count = 0;
-  bool straight = false;  ///< one piece of degree 1
-  bool doubtful = false;  ///< could not be traced: a chord stands in
+  bool straight = false;      ///< one piece of degree 1
+  bool doubtful = false;      ///< could not be traced: a chord stands in
   std::int32_t ellipse = -1;  ///< index in Section::ellipses of an arc without pieces
 };
 
@@ -38,12 +38,12 @@ struct Section {
 /// What cutting faces met.
 struct SectionCounters {
   std::uint64_t arcs = 0;
-  std::uint64_t families = 0;       ///< pairings of nodes found
+  std::uint64_t families = 0;          ///< pairings of nodes found
   std::uint64_t carried_families = 0;  ///< of them, kept over an event
   std::uint64_t sheets = 0;            ///< runs of layers interpolated
-  std::uint64_t traced = 0;         ///< arcs followed step by step
-  std::uint64_t doubtful_arcs = 0;  ///< chords in place of arcs that could not be traced
-  std::uint64_t lost_loops = 0;     ///< loops known from a cut that could not be traced
+  std::uint64_t traced = 0;            ///< arcs followed step by step
+  std::uint64_t doubtful_arcs = 0;     ///< chords in place of arcs that could not be traced
+  std::uint64_t lost_loops = 0;        ///< loops known from a cut that could not be traced
 
   SectionCounters& operator+=(const SectionCounters& other);
 };

@@ -14,16 +14,17 @@ struct SectionPoint {
   Vec2 uv = Vec2::Zero();
   Vec2 xy = Vec2::Zero();
   double z = 0.0;
-  Vec2 tangent = Vec2::Zero();  ///< unit length, along the run
-  double curvature = 0.0;       ///< 1/mm, positive where the section turns left
-  Vec2 height_slope = Vec2::Zero();  ///< S_u.z, S_v.z
-  Vec2 uv_slope = Vec2::Zero();  ///< d(u, v) / ds, s the arc length
-  Vec2 uv_bend = Vec2::Zero();   ///< its derivative by s
+  Vec2 tangent = Vec2::Zero();         ///< unit length, along the run
+  double curvature = 0.0;              ///< 1/mm, positive where the section turns left
+  Vec2 height_slope = Vec2::Zero();    ///< S_u.z, S_v.z
+  Vec2 uv_slope = Vec2::Zero();        ///< d(u, v) / ds, s the arc length
+  Vec2 uv_bend = Vec2::Zero();         ///< its derivative by s
   double metric[3] = {0.0, 0.0, 0.0};  ///< S_u.S_u, S_u.S_v, S_v.S_v
-  double steepness = 0.0;  ///< sine of the angle between the face and the horizontal: |n_h| / |n|
+  double steepness = 0.0;              ///< sine of the angle between the face and the horizontal: |n_h| / |n|
 };
 
-/// `sign` is +1 where the outward normal is S_u x S_v, else -1. Not finite where the face is horizontal or has no normal.
+/// `sign` is +1 where the outward normal is S_u x S_v, else -1. Not finite where the face is horizontal or has no
+/// normal.
 [[nodiscard]] SectionPoint section_point(const SurfacePoint2& at, const Vec2& uv, double sign);
 
 /// A step in (u, v) that changes z by `dz` and is the shortest such on the surface.
@@ -35,8 +36,8 @@ struct SectionPoint {
 
 /// Length on the surface of a step in (u, v).
 [[nodiscard]] inline double length_of(const SectionPoint& at, const Vec2& step) {
-  const double square = at.metric[0] * step[0] * step[0] + 2.0 * at.metric[1] * step[0] * step[1] +
-                        at.metric[2] * step[1] * step[1];
+  const double square =
+      at.metric[0] * step[0] * step[0] + 2.0 * at.metric[1] * step[0] * step[1] + at.metric[2] * step[1] * step[1];
   return std::sqrt(square > 0.0 ? square : 0.0);
 }
 

@@ -88,9 +88,9 @@ class SectionSurface {
   Kind kind_ = Kind::analytic;
   bool has_nets_ = false;  ///< of a spline surface, or of the basis or meridian that is a spline
   BezierNets nets_;
-  std::array<std::vector<double>, 2> pieces_;     ///< limits of the Bezier pieces along u and v
-  std::array<std::vector<double>, 2> breaks_;     ///< limits of the cells; empty where there are none
-  std::array<std::vector<int>, 2> first_piece_;   ///< of each cell, and one more
+  std::array<std::vector<double>, 2> pieces_;    ///< limits of the Bezier pieces along u and v
+  std::array<std::vector<double>, 2> breaks_;    ///< limits of the cells; empty where there are none
+  std::array<std::vector<int>, 2> first_piece_;  ///< of each cell, and one more
   Vec2 periods_ = Vec2::Zero();
 };
 

@@ -31,9 +31,9 @@ using NodeValues = std::array<double, kNodes>;
 /// Monomial coefficients of the polynomial of degree 4 through values at kPlaces: with q = 1/2,
 /// p = a0 + a1 z + a2 z^2 + a3 z^3 + a4 z^4 splits into its even and odd parts.
 NodeValues monomials(const NodeValues& f) {
-  const double even_1 = 0.5 * (f[4] + f[0]) - f[2];  // a2 + a4
-  const double even_q = 0.5 * (f[3] + f[1]) - f[2];  // a2 q + a4 q^2
-  const double odd_1 = 0.5 * (f[4] - f[0]);          // a1 + a3
+  const double even_1 = 0.5 * (f[4] + f[0]) - f[2];                // a2 + a4
+  const double even_q = 0.5 * (f[3] + f[1]) - f[2];                // a2 q + a4 q^2
+  const double odd_1 = 0.5 * (f[4] - f[0]);                        // a1 + a3
   const double odd_q = 0.5 * (f[3] - f[1]) / 0.70710678118654752;  // a1 + a3 q
   const double a4 = 2.0 * even_1 - 4.0 * even_q;
   const double a3 = 2.0 * (odd_1 - odd_q);
@@ -131,9 +131,7 @@ class Builder {
            way.share * (points_[way.after].uv - from[way.after].uv);
   }
 
-  [[nodiscard]] double height(double place) const {
-    return 0.5 * (low_ + high_) + 0.5 * (high_ - low_) * place;
-  }
+  [[nodiscard]] double height(double place) const { return 0.5 * (low_ + high_) + 0.5 * (high_ - low_) * place; }
 
   bool place_end(std::size_t i, const SectionPoint& given, double z) {
     const Cell& cell = carried_.arc.cells[std::min(i, carried_.arc.cells.size() - 1)];
@@ -227,11 +225,12 @@ class Builder {
   }
 
   /// A point of a piece, once its numbers are monomials in the place.
-  [[nodiscard]] static Vec2 point_at(const std::vector<NodeValues>& numbers, std::size_t piece, double t, double place) {
+  [[nodiscard]] static Vec2 point_at(const std::vector<NodeValues>& numbers, std::size_t piece, double t,
+                                     double place) {
     Vec2 point = Vec2::Zero();
     for (int k = 5; k >= 0; --k) {
-      point = point * t + Vec2(value_at(numbers[piece * kNumbers + k], place),
-                               value_at(numbers[piece * kNumbers + 6 + k], place));
+      point = point * t +
+              Vec2(value_at(numbers[piece * kNumbers + k], place), value_at(numbers[piece * kNumbers + 6 + k], place));
     }
     return point;
   }

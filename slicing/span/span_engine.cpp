@@ -18,7 +18,7 @@ using namespace span;
 namespace {
 
 /// Events nearer than this are one feature seen through rounding; together they span at most kWidestCluster.
-constexpr double kSameFeature = 1e-9;     // mm
+constexpr double kSameFeature = 1e-9;    // mm
 constexpr double kWidestCluster = 1e-8;  // mm
 
 /// A fit that keeps closer than this is as good as the arcs themselves.
@@ -86,7 +86,8 @@ class SolidSlab {
     const double from = heights_.front();
     const double to = heights_.back();
     for (const FaceModel& face : solid.faces) {
-      if (face.events.front() <= to && from < face.events.back()) faces_.emplace_back(scene, face, solid.edges, limits, heights_);
+      if (face.events.front() <= to && from < face.events.back())
+        faces_.emplace_back(scene, face, solid.edges, limits, heights_);
     }
   }
 

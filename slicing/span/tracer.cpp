@@ -54,8 +54,8 @@ Exit find_exit(const SectionSurface& surface, const Cell& cell, const SectionPoi
     const double value = above ? limits.hi : limits.lo;
     // From a point on the limit inward, the limit just left isn't reached again at once.
     const bool inward = (from.uv_slope[axis] > 0.0) != above;
-    const double s =
-        first_reach(value - from.uv[axis], from.uv_slope[axis], from.uv_bend[axis], inward ? 1e-6 * length : 0.0, length);
+    const double s = first_reach(value - from.uv[axis], from.uv_slope[axis], from.uv_bend[axis],
+                                 inward ? 1e-6 * length : 0.0, length);
     if (exit.axis < 0 || s < exit.length) exit = {axis, above, value, s};
   }
   return exit;
@@ -71,8 +71,7 @@ bool enter_next_cell(const SectionSurface& surface, const SectionPoint& at, Cell
     if (at.uv[axis] >= limits.hi - slack && at.uv_slope[axis] > 0.0 && surface.has_neighbor(cell, axis, true)) {
       ++index;
       moved = true;
-    } else if (at.uv[axis] <= limits.lo + slack && at.uv_slope[axis] < 0.0 &&
-               surface.has_neighbor(cell, axis, false)) {
+    } else if (at.uv[axis] <= limits.lo + slack && at.uv_slope[axis] < 0.0 && surface.has_neighbor(cell, axis, false)) {
       --index;
       moved = true;
     }

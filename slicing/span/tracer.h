@@ -21,7 +21,7 @@ struct TraceLimits {
 /// A traced arc: pieces.size() + 1 points.
 struct TracedArc {
   std::vector<SectionPoint> points;
-  std::vector<Cell> cells;  ///< one a piece
+  std::vector<Cell> cells;        ///< one a piece
   std::vector<std::int8_t> axes;  ///< one a point: 0 or 1 where it lies on a cell limit u or v = const, else -1
   std::vector<ArcPiece> pieces;
   std::size_t target = 0;  ///< index of the target it ended on

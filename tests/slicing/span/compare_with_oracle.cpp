@@ -93,19 +93,20 @@ void compare(const std::string& file, const Options& options) {
   const int repeats = getenv("REPEAT") ? atoi(getenv("REPEAT")) : 1;
   double cpu = 1e9;
   for (int repeat = 0; repeat < repeats; ++repeat) {
-  for (auto& layer : out) layer = {};
-  const double before = seconds();
-  for (std::size_t k = 0; k < requests.size(); k += kSlabLayers) {
-    const std::size_t n = std::min(kSlabLayers, requests.size() - k);
-    engine.cut(std::span(requests).subspan(k, n), std::span(out).subspan(k, n));
-  }
-  cpu = std::min(cpu, seconds() - before);
+    for (auto& layer : out) layer = {};
+    const double before = seconds();
+    for (std::size_t k = 0; k < requests.size(); k += kSlabLayers) {
+      const std::size_t n = std::min(kSlabLayers, requests.size() - k);
+      engine.cut(std::span(requests).subspan(k, n), std::span(out).subspan(k, n));
+    }
+    cpu = std::min(cpu, seconds() - before);
   }
   CastCounters counters;
   IdVector<SolidId, double> volumes(scene.solids.size(), 0.0);
   for (const LayerSpans& layer : out) {
     counters += layer.cast;
-    for (const Span& span : layer.lattices[0].spans) volumes[span.solid] += (span.end - span.begin) * lattice.spacing * dz;
+    for (const Span& span : layer.lattices[0].spans)
+      volumes[span.solid] += (span.end - span.begin) * lattice.spacing * dz;
   }
   double worst_volume = 0.0;
   for (const SolidId id : solids) {
@@ -113,10 +114,13 @@ void compare(const std::string& file, const Options& options) {
     const double bound = lattice.spacing * m.abs_normal_area.head<2>().norm() + dz * m.abs_normal_area.z();
     worst_volume = std::max(worst_volume, std::abs(volumes[id] - m.volume) / bound);
   }
-  std::printf("%s: solids %zu prepare %.2fs cut %.3fs hits %zu (%.2f M/s) unclosed %zu doubtful %zu repaired %zu volume/bound %.3f",
-              file.c_str() + file.rfind('/') + 1, solids.size(), prepared, cpu, static_cast<std::size_t>(counters.hits),
-              counters.hits / cpu * 1e-6, static_cast<std::size_t>(counters.unclosed_rays),
-              static_cast<std::size_t>(counters.uncertain_hits), static_cast<std::size_t>(counters.repaired_rays), worst_volume);
+  std::printf(
+      "%s: solids %zu prepare %.2fs cut %.3fs hits %zu (%.2f M/s) unclosed %zu doubtful %zu repaired %zu volume/bound "
+      "%.3f",
+      file.c_str() + file.rfind('/') + 1, solids.size(), prepared, cpu, static_cast<std::size_t>(counters.hits),
+      counters.hits / cpu * 1e-6, static_cast<std::size_t>(counters.unclosed_rays),
+      static_cast<std::size_t>(counters.uncertain_hits), static_cast<std::size_t>(counters.repaired_rays),
+      worst_volume);
   std::fflush(stdout);
   if (options.samples > 0) {
     const ReferenceEngine oracle(scene, {}, {}, 2);
@@ -150,7 +154,8 @@ void compare(const std::string& file, const Options& options) {
           }
           ++different;
           if (different <= 3) {
-            std::printf("\n   differs: solid %u z %.9g y %.9g oracle %zu span %zu:", id.value(), requests[k].z, lattice.position(row), a.size(), b.size());
+            std::printf("\n   differs: solid %u z %.9g y %.9g oracle %zu span %zu:", id.value(), requests[k].z,
+                        lattice.position(row), a.size(), b.size());
             for (auto& s : a) std::printf(" o[%.6f %.6f]", s.first, s.second);
             for (auto& s : b) std::printf(" s[%.6f %.6f]", s.first, s.second);
           }
@@ -158,7 +163,9 @@ void compare(const std::string& file, const Options& options) {
         }
         for (std::size_t j = 0; j < a.size(); ++j) {
           const double e = std::max(std::abs(a[j].first - b[j].first), std::abs(a[j].second - b[j].second));
-          if (e > worst && e > 1e-4) std::printf("\n   off %.3g: solid %u z %.9g y %.9g x %.9g %.9g", e, id.value(), requests[k].z, lattice.position(row), b[j].first, b[j].second);
+          if (e > worst && e > 1e-4)
+            std::printf("\n   off %.3g: solid %u z %.9g y %.9g x %.9g %.9g", e, id.value(), requests[k].z,
+                        lattice.position(row), b[j].first, b[j].second);
           worst = std::max(worst, e);
         }
       }
@@ -174,11 +181,16 @@ int main(int argc, char** argv) {
   Options options;
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
-    if (word == "--rows") options.rows = std::stoul(argv[++i]);
-    else if (word == "--layers") options.layers = std::stoul(argv[++i]);
-    else if (word == "--angle") options.angle = std::stod(argv[++i]);
-    else if (word == "--samples") options.samples = std::stoul(argv[++i]);
-    else options.files.push_back(word);
+    if (word == "--rows")
+      options.rows = std::stoul(argv[++i]);
+    else if (word == "--layers")
+      options.layers = std::stoul(argv[++i]);
+    else if (word == "--angle")
+      options.angle = std::stod(argv[++i]);
+    else if (word == "--samples")
+      options.samples = std::stoul(argv[++i]);
+    else
+      options.files.push_back(word);
   }
   for (const std::string& file : options.files) {
     try {
