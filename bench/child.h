@@ -9,9 +9,11 @@ namespace lamella::bench {
 /// CPU seconds of this process so far, all its threads.
 [[nodiscard]] double cpu_seconds();
 
-/// Memory of this process in MiB: the largest it ever was, and now.
+/// The largest memory of this process since forget_peak(), in MiB.
 [[nodiscard]] double peak_mebibytes();
-[[nodiscard]] double resident_mebibytes();
+
+/// Gives memory that is free back to the system and starts peak_mebibytes() anew.
+void forget_peak();
 
 /// A forked copy of this process that answers one request after another. What it allocates, and how it ends, is its
 /// own affair. Fork only before this process has started threads.

@@ -26,7 +26,8 @@ struct Collector {
 };
 
 /// Notes every hit and refuses it, so that the traversal goes on to the next: one traversal finds all hits. (Starting
-/// again behind each hit takes as many traversals as hits, and loses those that coincide.)
+/// again behind each hit takes as many traversals as hits, twice the time on these models, and loses those that
+/// coincide.)
 void collect(const RTCFilterFunctionNArguments* arguments) {
   auto* collector = reinterpret_cast<Collector*>(arguments->context);
   for (unsigned lane = 0; lane < arguments->N; ++lane) {

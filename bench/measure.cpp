@@ -11,6 +11,7 @@ namespace lamella::bench {
 namespace {
 
 constexpr int kRowsPerBatch = 32;  ///< random rows of one layer that a slow peer gets at once
+constexpr std::size_t kExamples = 5;
 constexpr int kBatches = 100'000;  ///< more than any slow peer gets through
 
 std::vector<Batch> all_slabs(const Lattice& lattice, std::int32_t layers) {
@@ -35,26 +36,27 @@ Batch random_rows(const Lattice& lattice, std::mt19937& random) {
 /// Differences from the exact crossings, over rows where both have as many.
 class Errors {
  public:
-  void add(const std::vector<double>& exact, const std::vector<double>& found) {
+  void add(const ExactRow& exact, const std::vector<double>& found) {
     ++rows_;
-    if (exact.size() != found.size()) {
+    if (exact.x.size() != found.size()) {
       ++mismatches_;
+      if (examples_.size() < kExamples) {
+        examples_.push_back({{"layer", exact.layer}, {"row", exact.row}, {"exact", exact.x}, {"found", found}});
+      }
       return;
     }
-    for (std::size_t i = 0; i < exact.size(); ++i) {
-      const double error = std::abs(found[i] - exact[i]);
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      const double error = std::abs(found[i] - exact.x[i]);
       sum_ += error;
       largest_ = std::max(largest_, error);
     }
-    hits_ += exact.size();
+    hits_ += found.size();
   }
 
   [[nodiscard]] nlohmann::json json() const {
-    return {{"rows", rows_},
-            {"count_mismatches", mismatches_},
-            {"hits", hits_},
-            {"mean", hits_ > 0 ? sum_ / static_cast<double>(hits_) : 0.0},
-            {"max", largest_}};
+    return {{"rows", rows_},   {"count_mismatches", mismatches_},
+            {"hits", hits_},   {"mean", hits_ > 0 ? sum_ / static_cast<double>(hits_) : 0.0},
+            {"max", largest_}, {"examples", examples_}};
   }
 
  private:
@@ -63,13 +65,17 @@ class Errors {
   std::uint64_t hits_ = 0;
   double sum_ = 0.0;
   double largest_ = 0.0;
+  nlohmann::json examples_ = nlohmann::json::array();  ///< rows with another number of crossings, to look into
 };
 
 }  // namespace
 
 Measurement::Measurement(const PeerEntry& entry, const Lattice& lattice, const std::vector<ExactRow>& exact,
                          const MeasureOptions& options)
-    : entry_(entry), lattice_(lattice), exact_(exact), options_(options), base_mebibytes_(peak_mebibytes()) {}
+    : entry_(entry), lattice_(lattice), exact_(exact), options_(options) {
+  forget_peak();
+  base_mebibytes_ = peak_mebibytes();
+}
 
 void Measurement::prepare_peer() {
   peer_.reset();
@@ -175,7 +181,7 @@ nlohmann::json Measurement::compare() {
   for (const ExactRow& exact : exact_) {
     std::vector<double>& x = found[exact.layer][exact.row];
     std::sort(x.begin(), x.end());
-    errors.add(exact.x, x);
+    errors.add(exact, x);
   }
   return errors.json();
 }

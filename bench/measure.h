@@ -34,7 +34,7 @@ class Measurement {
   [[nodiscard]] double run();
 
   /// {"hits", "solid_rows", "odd_rows" (or reported as unclosed), "repaired_rows", "uncertain_hits", "peak_mib",
-  /// "error": {"rows", "count_mismatches", "mean", "max"}}.
+  /// "error": {"rows", "count_mismatches", "mean", "max", "examples"}}.
   [[nodiscard]] nlohmann::json check();
 
  private:

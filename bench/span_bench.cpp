@@ -22,7 +22,7 @@ constexpr const char* kModels[] = {"knot_tube.step", "wavy_block.step", "analyti
 
 /// Of the corpus: free-form, analytic, many small features, assemblies.
 constexpr const char* kCorpus[] = {"free_c2d_curved_extrude.stp",   "mech_b123d_m6_1x12_countersunk_screw.step",
-                                   "fusion_nw_poloidal_magnet.stp", "mech_elmer_bent_waveguide.step",
+                                   "fusion_nw_poloidal_magnet.stp", "print_voron_brackets_1515_x2.step",
                                    "free_geouned_torus.stp",        "mech_elmer_pump_carter_sup.stp",
                                    "free_occt_trj10_b2_oc_214.stp", "nist_nist_nist_ftc_07_ap242_e2.stp",
                                    "elec_voron_fan_pcb_v1_0.step",  "fusion_geouned_rails.stp"};

@@ -71,8 +71,7 @@ class SpanPeer : public Peer {
       segments_[k].segments.clear();
       segments_[k].row_start.assign(1, 0);
       for (std::size_t r = 0; r < rows.rows(); ++r) {
-        combine_row(rows.row(r), *rules_, combined_);
-        segments_[k].segments.insert(segments_[k].segments.end(), combined_.segments.begin(), combined_.segments.end());
+        combiner_.combine(rows.row(r), *rules_, segments_[k].segments);
         segments_[k].row_start.push_back(segments_[k].segments.size());
       }
     }
@@ -86,7 +85,7 @@ class SpanPeer : public Peer {
   std::vector<LayerRequest> requests_;
   std::vector<LayerSpans> spans_;
   std::vector<SegmentRows> segments_;
-  CombinedRow combined_;
+  RowCombiner combiner_;
 };
 
 }  // namespace

@@ -13,6 +13,8 @@ struct ArcPiece {
   std::array<double, 6> y{};
 
   [[nodiscard]] Vec2 at(double t) const;
+  /// Derivative by t.
+  [[nodiscard]] Vec2 slope(double t) const;
 };
 
 /// The chord from `a` to `b`.

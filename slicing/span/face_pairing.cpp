@@ -289,53 +289,34 @@ void FaceSection::find_roots(double z) {
     for (std::uint32_t piece = 0; piece < line.pieces.size(); ++piece) {
       if (!line.pieces[piece].crosses(z)) continue;
       const double u = find_crossing(line.curve, line.pieces[piece], z, std::nan(""));
-      roots_.push_back({cut, piece, u, false});
+      roots_.push_back({cut, piece, u, evaluate<3>(line.curve, u).point.head<2>(), false});
     }
   }
 }
 
 void FaceSection::visit_roots(const Family& family, double z) {
-  uv_pieces_.clear();
-  if (family.sheet.covers(z)) {
-    uv_pieces_.resize(family.sheet.piece_count());
-    family.sheet.evaluate_uv(z, uv_pieces_.data());
-  } else {
-    const std::vector<SectionPoint>& points = family.carried.arc.points;
-    ArcPiece piece, uv;
-    for (std::size_t i = 0; i + 1 < points.size(); ++i) {
-      if (join_points(points[i], points[i + 1], piece, uv)) uv_pieces_.push_back(uv);
+  pieces_of(family, z);
+  for (const ArcPiece& piece : pieces_) {
+    const Vec2 from = piece.at(0.0);
+    const Vec2 chord = piece.at(1.0) - from;
+    for (CutRoot& root : roots_) {
+      if (!root.visited) root.visited = passes_through(piece, from, chord, root.xy, limits_.landing);
     }
   }
-  for (const ArcPiece& uv : uv_pieces_) visit_roots(uv);
 }
 
-void FaceSection::visit_roots(const ArcPiece& uv) {
-  const Vec2 a = uv.at(0.0);
-  const Vec2 b = uv.at(1.0);
-  for (CutRoot& root : roots_) {
-    if (!root.visited) root.visited = meets_cut(uv, a, b, Vec2(root.u, face_->cuts[root.cut].v));
+bool FaceSection::passes_through(const ArcPiece& piece, const Vec2& from, const Vec2& chord, const Vec2& xy,
+                                 double slack) {
+  const double square = chord.squaredNorm();
+  double t = std::clamp(chord.dot(xy - from) / square, 0.0, 1.0);
+  // An arc that turns by less than 0.7 stays within a fifth of its chord from it.
+  if ((xy - from - t * chord).squaredNorm() > 0.04 * square + slack * slack) return false;
+  constexpr int kSteps = 5;
+  for (int i = 0; i < kSteps; ++i) {
+    const Vec2 slope = piece.slope(t);
+    t = std::clamp(t + slope.dot(xy - piece.at(t)) / slope.squaredNorm(), 0.0, 1.0);
   }
-}
-
-bool FaceSection::meets_cut(const ArcPiece& uv, const Vec2& a, const Vec2& b, const Vec2& at) const {
-  const Vec2& periods = face_->surface.periods();
-  const auto wrapped = [](double difference, double period) {
-    return period > 0.0 ? difference - period * std::round(difference / period) : difference;
-  };
-  const double above_a = wrapped(a[1] - at[1], periods[1]);
-  const double above_b = above_a + (b[1] - a[1]);
-  if ((above_a <= 0.0) == (above_b <= 0.0)) return false;
-  const double reach = 2.0 * (std::abs(b[0] - a[0]) + std::abs(b[1] - a[1]));
-  if (std::abs(wrapped(a[0] - at[0], periods[0])) > reach) return false;
-  // Where the piece crosses the line, by bisection: v(t) changes sign over it.
-  double lo = 0.0;
-  double hi = 1.0;
-  for (int i = 0; i < 40; ++i) {
-    const double middle = 0.5 * (lo + hi);
-    const double above = above_a + (uv.at(middle)[1] - a[1]);
-    ((above <= 0.0) == (above_a <= 0.0) ? lo : hi) = middle;
-  }
-  return std::abs(wrapped(uv.at(lo)[0] - at[0], periods[0])) <= 1e-4 * reach;
+  return (xy - piece.at(t)).squaredNorm() <= slack * slack;
 }
 
 void FaceSection::find_loops(double z) {

@@ -20,9 +20,9 @@ SectionCounters& SectionCounters::operator+=(const SectionCounters& other) {
   families += other.families;
   carried_families += other.carried_families;
   sheets += other.sheets;
+  lost_loops += other.lost_loops;
   traced += other.traced;
   doubtful_arcs += other.doubtful_arcs;
-  unbalanced += other.unbalanced;
   return *this;
 }
 
@@ -264,17 +264,10 @@ bool FaceSection::keeps_to_nodes(const Family& family, const ArcPiece* pieces, s
   return begin.squaredNorm() <= allowed * allowed && end.squaredNorm() <= allowed * allowed;
 }
 
-bool FaceSection::lasts_to(const Family& family, double z) const {
-  if (family.cut >= 0) return face_->cuts[static_cast<std::size_t>(family.cut)].pieces[family.cut_piece].crosses(z);
-  return edges_->all()[face_->uses[family.begin].piece].range.crosses(z) &&
-         edges_->all()[face_->uses[family.end].piece].range.crosses(z);
-}
-
 void FaceSection::try_sheet(Family& family, double inner, const NodeTable& nodes, SectionCounters& counters) {
   if (family.carried.empty() || family.carried.z != inner || layer_ < family.next_sheet) return;
-  // Over events too: that they leave the arc alone shows in the measurement.
   std::size_t last = layer_;
-  while (last + 1 < heights_.size() && lasts_to(family, heights_[last + 1])) ++last;
+  while (last + 1 < heights_.size() && heights_[last + 1] < face_->events[*band_ + 1]) ++last;
   double gap = 0.0;
   const auto ends_at = [&](double z, SectionPoint& begin, SectionPoint& end) {
     if (family.cut >= 0) {
@@ -292,14 +285,15 @@ void FaceSection::try_sheet(Family& family, double inner, const NodeTable& nodes
     return from.usable && to.usable;
   };
   for (; last - layer_ + 1 >= Sheet::kFewestLayers; last = layer_ + (last - layer_) / 2) {
-    const double high = heights_[last] < face_->events[*band_ + 1] ? inner_height(heights_[last]) : heights_[last];
+    const double high = inner_height(heights_[last]);
     if (family.sheet.build(face_->surface, face_->sign, inner, high, limits_, ends_at, family.carried)) {
       family.sheet.allow_gap(gap);
       ++counters.sheets;
       return;
     }
   }
-  family.next_sheet = layer_ + Sheet::kFewestLayers / 2;
+  // What bends too much for a sheet here will do so a little further up.
+  family.next_sheet = layer_ + Sheet::kFewestLayers;
 }
 
 FaceSection::FacePoint FaceSection::layer_point(std::uint32_t use, double z, double inner, NodeTable& nodes) const {
@@ -429,7 +423,8 @@ void FaceSection::cut_loop(Family& family, double z, Section& out, SectionCounte
     append(seed.node, seed.node, carried.arc.pieces, out);
   } else {
     carried.arc.clear();
-    ++counters.doubtful_arcs;  // a loop that can't be traced can't be replaced by a chord either
+    // Nothing stands in for a loop that can't be traced.
+    ++counters.lost_loops;
   }
 }
 

@@ -85,8 +85,9 @@ class FaceSection {
   void pair_rest();
   void find_roots(double z);
   void visit_roots(const Family& family, double z);
-  void visit_roots(const ArcPiece& uv);
-  [[nodiscard]] bool meets_cut(const ArcPiece& uv, const Vec2& a, const Vec2& b, const Vec2& at) const;
+  /// Whether a point of the layer lies on an arc's piece, given by its first point and chord as well.
+  [[nodiscard]] static bool passes_through(const ArcPiece& piece, const Vec2& from, const Vec2& chord, const Vec2& xy,
+                                           double slack);
   void find_loops(double z);
 
   void cut_plane(double z, NodeTable& nodes, Section& out) const;
@@ -100,8 +101,6 @@ class FaceSection {
   [[nodiscard]] FacePoint layer_point(std::uint32_t use, double z, double inner, NodeTable& nodes) const;
   bool keeps_to_nodes(const Family& family, const ArcPiece* pieces, std::uint32_t count, NodeTable& nodes) const;
   bool cut_by_sheet(Family& family, double inner, NodeTable& nodes, Section& out) const;
-  /// Whether both ends of a family are still there at a height above.
-  [[nodiscard]] bool lasts_to(const Family& family, double z) const;
   void try_sheet(Family& family, double inner, const NodeTable& nodes, SectionCounters& counters);
   /// An arc that can't be followed from end to end: both ways as far as they come nearest, and a chord between.
   void bridge(const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters);
@@ -146,15 +145,15 @@ class FaceSection {
     std::uint32_t cut = 0;
     std::uint32_t piece = 0;
     double u = 0.0;
-    bool visited = false;
+    Vec2 xy = Vec2::Zero();
+    bool visited = false;  ///< an arc that is known passes through it
   };
   std::vector<std::uint32_t> starts_;  ///< uses that cross the band
   std::vector<std::uint32_t> ends_;
   std::vector<FacePoint> points_;  ///< one a use
   std::vector<std::uint8_t> is_paired_;
   std::vector<CutRoot> roots_;
-  std::vector<ArcPiece> pieces_;     ///< of the family being looked at
-  std::vector<ArcPiece> uv_pieces_;  ///< the same in (u, v)
+  std::vector<ArcPiece> pieces_;  ///< of the family being looked at
   std::vector<SectionPoint> end_points_;  ///< of the arcs on this layer, behind a place for a loop's seed
 };
 

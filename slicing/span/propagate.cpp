@@ -58,6 +58,8 @@ class Carrier {
     for (int axis = 0; axis < 2; ++axis) {
       if (periods[axis] > 0.0) uv[axis] += periods[axis] * std::round((place.point.uv[axis] - uv[axis]) / periods[axis]);
     }
+    // Beyond its cell the piece would go on analytically, the surface doesn't.
+    if (!surface_.holds(place.cell, uv, -1)) return false;
     place.point = surface_.has_cells() ? section_point(surface_.evaluate(uv, place.cell), uv, sign_) : given;
     place.point.uv = uv;
     place.point.z = z_;
@@ -87,23 +89,13 @@ class Carrier {
       off = (at.du * correction[0] + at.dv * correction[1]).norm();
     }
     uv += correction;
-    if (!is_within(uv, place.cell, place.axis)) return false;
+    if (!surface_.holds(place.cell, uv, place.axis)) return false;
     shift(at, correction);
     place.point = section_point(at, uv, sign_);
     place.point.z = z_;
     place.last_velocity = carried_.velocity[i];
     place.velocity = step_for(at, place.axis, 1.0);
     return place.point.uv_bend.allFinite();
-  }
-
-  bool is_within(const Vec2& uv, const Cell& cell, int fixed_axis) const {
-    for (int axis = 0; axis < 2; ++axis) {
-      if (axis == fixed_axis) continue;
-      const Interval limits = surface_.limits(cell, axis);
-      const double slack = 1e-9 * limits.length();
-      if (!(uv[axis] >= limits.lo - slack && uv[axis] <= limits.hi + slack)) return false;
-    }
-    return true;
   }
 
   /// Joins the places to pieces; where two don't join, a place is put between them or the second one left out.
@@ -155,7 +147,7 @@ class Carrier {
     const Vec2 uv = 0.5 * (a.point.uv + end.uv);
     const double chord = (end.xy - a.point.xy).norm();
     const auto middle = correct(surface_, a.cell, uv, z_, sign_, -1, {0.3 * chord});
-    if (!middle || !is_within(middle->uv, a.cell, -1)) return false;
+    if (!middle || !surface_.holds(a.cell, middle->uv, -1)) return false;
     Place between{*middle, a.cell, -1, rise_of(*middle, -1), Vec2::Zero()};
     between.point.z = z_;
     between.last_velocity = between.velocity;

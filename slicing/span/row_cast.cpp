@@ -14,6 +14,10 @@ namespace {
 /// Accepted residual of a row's y, mm; rows are solved to rounding, this only catches what failed.
 constexpr double kRowResidual = 1e-9;
 
+/// Hits of one solid may come in the wrong order over this length, whatever the file states: ten times the accuracy of an
+/// arc between its exact points.
+constexpr double kLeastTolerance = 1e-6;  // mm
+
 /// Bernstein coefficients of y'(t) on [0, 1].
 std::array<double, 5> slope_net(const std::array<double, 6>& y) {
   const double a = y[1], b = 2.0 * y[2], c = 3.0 * y[3], d = 4.0 * y[4], e = 5.0 * y[5];
@@ -73,7 +77,13 @@ double value_at(const std::array<double, 6>& c, double t) {
 }  // namespace
 
 RowCast::RowCast(const Scene& scene)
-    : scene_(&scene), winding_(scene.solids.size(), 0), open_span_(scene.solids.size(), 0) {}
+    : scene_(&scene),
+      winding_(scene.solids.size(), 0),
+      open_span_(scene.solids.size(), 0),
+      off_since_(scene.solids.size(), 0.0) {
+  tolerance_.reserve(scene.solids.size());
+  for (const Solid& solid : scene.solids) tolerance_.push_back(std::max(kLeastTolerance, solid.info.max_tolerance));
+}
 
 void RowCast::cast(const Section& section, const RowLattice& lattice, SpanRows& out, CastCounters& counters) {
   lay_rows(lattice);
@@ -266,6 +276,16 @@ void RowCast::emit(const Section& section, SpanRows& out, CastCounters& counters
   }
 }
 
+void RowCast::note_winding(SolidId solid, std::int32_t before, double x, CastCounters& counters) {
+  const std::int32_t now = winding_[solid.value()];
+  const auto is_off = [](std::int32_t winding) { return winding < 0 || winding > 1; };
+  if (!is_off(before) && is_off(now)) {
+    off_since_[solid.value()] = x;
+  } else if (is_off(before) && !is_off(now) && x - off_since_[solid.value()] > tolerance_[solid.value()]) {
+    ++counters.repaired_rays;
+  }
+}
+
 void RowCast::emit_row(const Section& section, RowHit* first, RowHit* last, SpanRows& out, CastCounters& counters) {
   const auto before = [](const RowHit& a, const RowHit& b) { return a.x != b.x ? a.x < b.x : a.tag < b.tag; };
   for (RowHit* i = first + 1; i < last; ++i) {
@@ -279,11 +299,16 @@ void RowCast::emit_row(const Section& section, RowHit* first, RowHit* last, Span
     const std::uint32_t arc = hit->tag >> 1;
     const SolidId solid = solid_of_arc_[arc];
     std::int32_t& winding = winding_[solid.value()];
-    if ((hit->tag & 1) == 0) {
-      if (++winding != 1) continue;
+    const bool is_exit = (hit->tag & 1) != 0;
+    winding += is_exit ? -1 : 1;
+    if (winding < 0 || winding > 1 || winding == (is_exit ? 1 : 0)) {
+      note_winding(solid, is_exit ? winding + 1 : winding - 1, hit->x, counters);
+    }
+    if (!is_exit) {
+      if (winding != 1) continue;
       open_span_[solid.value()] = out.spans.size();
       out.spans.push_back({hit->x, hit->x, solid, section.arcs[arc].face, {}});
-    } else if (--winding == 0) {
+    } else if (winding == 0) {
       Span& span = out.spans[open_span_[solid.value()]];
       span.end = hit->x;
       span.face_out = section.arcs[arc].face;

@@ -64,8 +64,12 @@ class RowCast {
   std::vector<RowHit> hits_;
   std::vector<double> xs_;
   std::vector<SolidId> solid_of_arc_;
+  void note_winding(SolidId solid, std::int32_t before, double x, CastCounters& counters);
+
   std::vector<std::int32_t> winding_;       ///< per solid
   std::vector<std::uint64_t> open_span_;    ///< per solid
+  std::vector<double> off_since_;           ///< per solid: where its winding left {0, 1}
+  std::vector<double> tolerance_;           ///< per solid, mm: how long it may be off
 };
 
 }  // namespace lamella::span

@@ -43,7 +43,7 @@ struct SectionCounters {
   std::uint64_t sheets = 0;            ///< runs of layers interpolated
   std::uint64_t traced = 0;         ///< arcs followed step by step
   std::uint64_t doubtful_arcs = 0;  ///< chords in place of arcs that could not be traced
-  std::uint64_t unbalanced = 0;     ///< face-layers whose front and back don't balance
+  std::uint64_t lost_loops = 0;     ///< loops known from a cut that could not be traced
 
   SectionCounters& operator+=(const SectionCounters& other);
 };

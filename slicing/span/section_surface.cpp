@@ -326,6 +326,17 @@ Interval SectionSurface::limits(const Cell& cell, int axis) const {
   return limits;
 }
 
+bool SectionSurface::holds(const Cell& cell, const Vec2& uv, int free_axis) const {
+  for (int axis = 0; axis < 2; ++axis) {
+    if (axis == free_axis) continue;
+    const Interval range = limits(cell, axis);
+    const double slack = 1e-9 * range.length();
+    // Written so that NaN fails; an infinite range has an infinite slack.
+    if (!(uv[axis] >= range.lo - slack && uv[axis] <= range.hi + slack)) return false;
+  }
+  return true;
+}
+
 double SectionSurface::extent(int axis) const {
   if (periods_[axis] > 0.0) return periods_[axis];
   if (breaks_[axis].empty()) return std::numeric_limits<double>::infinity();

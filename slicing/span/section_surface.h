@@ -62,6 +62,8 @@ class SectionSurface {
 
   /// Limits of a cell along u (axis 0) or v (axis 1), infinite where the surface has none.
   [[nodiscard]] Interval limits(const Cell& cell, int axis) const;
+  /// Whether `uv` lies in a cell, to rounding; along `free_axis` it may lie anywhere (-1: along none).
+  [[nodiscard]] bool holds(const Cell& cell, const Vec2& uv, int free_axis) const;
   /// Whether there is another cell beyond the cell's upper (or lower) limit.
   [[nodiscard]] bool has_neighbor(const Cell& cell, int axis, bool upper) const;
 

@@ -62,7 +62,7 @@ class Builder {
           CarriedArc& carried)
       : surface_(surface), sign_(sign), low_(low), high_(high), limits_(limits), carried_(carried) {}
 
-  bool run(const Sheet::EndsAt& ends_at, std::vector<double>& coefficients, std::vector<double>& uv_coefficients) {
+  bool run(const Sheet::EndsAt& ends_at, std::vector<double>& coefficients) {
     const TracedArc& start = carried_.arc;
     points_ = start.points;
     const std::size_t pieces = start.pieces.size();
@@ -80,8 +80,7 @@ class Builder {
       if (!take_pieces(j)) return false;
     }
     if (!measure()) return false;
-    store(numbers_, coefficients);
-    store(uv_numbers_, uv_coefficients);
+    store(coefficients);
     leave_at_top();
     return true;
   }
@@ -143,6 +142,7 @@ class Builder {
     for (int axis = 0; axis < 2; ++axis) {
       if (periods[axis] > 0.0) uv[axis] += periods[axis] * std::round((points_[i].uv[axis] - uv[axis]) / periods[axis]);
     }
+    if (!surface_.holds(cell, uv, -1)) return false;
     points_[i] = surface_.has_cells() ? section_point(surface_.evaluate(uv, cell), uv, sign_) : given;
     points_[i].uv = uv;
     points_[i].z = z;
@@ -169,22 +169,12 @@ class Builder {
       if (off <= kExactShift * scale) break;
     }
     const Vec2 uv = from + travel * way.direction;
-    if (!is_within(uv, cell, carried_.arc.axes[i])) return false;
+    if (!surface_.holds(cell, uv, carried_.arc.axes[i])) return false;
     way.travel[node] = travel;
     shift(at, step * way.direction);
     points_[i] = section_point(at, uv, sign_);
     points_[i].z = z;
     return points_[i].uv_bend.allFinite();
-  }
-
-  bool is_within(const Vec2& uv, const Cell& cell, int fixed_axis) const {
-    for (int axis = 0; axis < 2; ++axis) {
-      if (axis == fixed_axis) continue;
-      const Interval limits = surface_.limits(cell, axis);
-      const double slack = 1e-9 * limits.length();
-      if (!(uv[axis] >= limits.lo - slack && uv[axis] <= limits.hi + slack)) return false;
-    }
-    return true;
   }
 
   /// The pieces between the points as they are now become the values at a node.
@@ -246,11 +236,11 @@ class Builder {
     return point;
   }
 
-  static void store(const std::vector<NodeValues>& numbers, std::vector<double>& coefficients) {
-    const std::size_t stride = numbers.size();
+  void store(std::vector<double>& coefficients) const {
+    const std::size_t stride = numbers_.size();
     coefficients.resize(kNodes * stride);
     for (std::size_t i = 0; i < stride; ++i) {
-      for (int power = 0; power < kNodes; ++power) coefficients[power * stride + i] = numbers[i][power];
+      for (int power = 0; power < kNodes; ++power) coefficients[power * stride + i] = numbers_[i][power];
     }
   }
 
@@ -283,7 +273,7 @@ class Builder {
 bool Sheet::build(const SectionSurface& surface, double sign, double low, double high, const TraceLimits& limits,
                   const EndsAt& ends_at, CarriedArc& carried) {
   clear();
-  if (!Builder(surface, sign, low, high, limits, carried).run(ends_at, coefficients_, uv_coefficients_)) {
+  if (!Builder(surface, sign, low, high, limits, carried).run(ends_at, coefficients_)) {
     clear();
     return false;
   }
@@ -297,11 +287,6 @@ void Sheet::evaluate(double z, ArcPiece* pieces) const {
   const double place = (2.0 * z - low_ - high_) / (high_ - low_);
   static_assert(sizeof(ArcPiece) == kNumbers * sizeof(double));
   depth_kernel().blend(coefficients_.data(), piece_count_ * kNumbers, place, pieces->x.data());
-}
-
-void Sheet::evaluate_uv(double z, ArcPiece* pieces) const {
-  const double place = (2.0 * z - low_ - high_) / (high_ - low_);
-  depth_kernel().blend(uv_coefficients_.data(), piece_count_ * kNumbers, place, pieces->x.data());
 }
 
 }  // namespace lamella::span

@@ -42,16 +42,13 @@ class Sheet {
   [[nodiscard]] std::size_t piece_count() const { return piece_count_; }
   /// Writes piece_count() pieces of the arc at height z.
   void evaluate(double z, ArcPiece* pieces) const;
-  /// The same pieces in (u, v).
-  void evaluate_uv(double z, ArcPiece* pieces) const;
 
  private:
   double gap_ = 0.0;
   double low_ = 0.0;
   double high_ = 0.0;
   std::size_t piece_count_ = 0;
-  std::vector<double> coefficients_;     ///< [power][piece][12]
-  std::vector<double> uv_coefficients_;  ///< the same of (u, v)
+  std::vector<double> coefficients_;  ///< [power][piece][12]
 };
 
 }  // namespace lamella::span

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "core/parallel.h"
 #include "slicing/span/contours.h"
@@ -19,6 +20,9 @@ namespace {
 /// Events nearer than this are one feature seen through rounding; together they span at most kWidestCluster.
 constexpr double kSameFeature = 1e-9;     // mm
 constexpr double kWidestCluster = 1e-8;  // mm
+
+/// A fit that keeps closer than this is as good as the arcs themselves.
+constexpr double kFitWorthNaming = 1e-6;  // mm
 
 /// One solid, prepared.
 struct SolidSpans {
@@ -114,6 +118,26 @@ struct SpanEngine::Data {
     return limits;
   }
 
+  /// Names faces that are not cut exactly, or whose changes of topology are not all known.
+  void add_findings(const SolidSpans& solid) {
+    for (const FaceModel& face : solid.faces) {
+      const auto* fitted = std::get_if<FittedSurface>(&scene->faces[face.id].surface);
+      if (face.complete && (fitted == nullptr || !(fitted->bound > kFitWorthNaming))) continue;
+      Finding finding;
+      finding.solid = scene->solids[solid.id].info.path;
+      finding.entity = "#" + std::to_string(scene->faces[face.id].step_entity);
+      if (!face.complete) {
+        finding.what = "not all heights are known at which the section of this face changes its shape";
+        finding.hint = "compare its layers with --engine reference";
+      } else {
+        finding.what = "the " + fitted->origin + " is sliced as a spline that lies within " +
+                       std::to_string(fitted->bound) + " mm of it";
+        finding.hint = "export it as a B-spline surface for more";
+      }
+      findings.push_back(std::move(finding));
+    }
+  }
+
   /// Calls visit(z, section) for each of the ascending heights, slab by slab; the section of a solid that isn't ours is
   /// empty.
   template <class Visit>
@@ -149,6 +173,7 @@ SpanEngine::SpanEngine(const Scene& scene, std::span<const SolidId> solids, cons
         data_->solids[i] = std::make_unique<const SolidSpans>(scene, solids[i]);
       },
       options.threads);
+  for (const auto& solid : data_->solids) data_->add_findings(*solid);
 }
 
 SpanEngine::~SpanEngine() = default;
@@ -169,7 +194,10 @@ void SpanEngine::cut(std::span<const LayerRequest> slab, std::span<LayerSpans> o
   SectionCounters counters;
   for (std::size_t i = 0; i < slab.size(); ++i) {
     section.clear();
+    counters = {};
     for (SolidSlab& solid : solids) solid.cut(i, section, counters);
+    // A loop that could not be traced is missing on every row that it crosses: a doubt like that of a hit.
+    out[i].cast.uncertain_hits += counters.lost_loops;
     out[i].lattices.resize(slab[i].lattices.size());
     for (std::size_t k = 0; k < slab[i].lattices.size(); ++k) {
       rows.cast(section, slab[i].lattices[k], out[i].lattices[k], out[i].cast);

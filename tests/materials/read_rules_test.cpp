@@ -32,7 +32,11 @@ InputError refusal(const std::string& body) {
 constexpr const char* kLibrary = "<library><material name=\"A\"/><material name=\"B\"/></library>";
 
 std::string with_rules(const std::string& rules) {
-  return kLibrary + ("\n<assignments>\n" + rules) + "\n</assignments>";
+  std::string text = kLibrary;
+  text += "\n<assignments>\n";
+  text += rules;
+  text += "\n</assignments>";
+  return text;
 }
 
 TEST(ReadRules, EveryAttributeArrives) {

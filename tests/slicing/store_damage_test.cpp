@@ -153,7 +153,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, HostileShard,
                                          "wrong_length", "wrong_type", "two_dimensions", "huge_array",
                                          "soft_link_cycle", "external_link", "virtual_array", "external_data",
                                          "missing_array", "group_for_array", "huge_chunk", "garbage"),
-                         [](const auto& info) { return std::string(info.param); });
+                         [](const auto& tested) { return std::string(tested.param); });
 
 }  // namespace
 }  // namespace lamella
