@@ -49,6 +49,7 @@ std::vector<Variation> variations() {
   };
   Placement turned_over;
   turned_over.linear = Vec3(1.0, -1.0, -1.0).asDiagonal();
+  const Vec3 far_away(8192.25, -4096.5, 16384.125);
   return {
       {"ShuffledFaces", [](const Scene& scene) { return test::with_shuffled_faces(scene, 3); }},
       {"SwappedParameters", test::with_swapped_parameters},
@@ -60,7 +61,8 @@ std::vector<Variation> variations() {
       {"QuarterTurn", moved(quarter_turns(1)), 0.5 * kPi},
       {"HalfTurn", moved(quarter_turns(2)), kPi},
       {"Mirrored", moved(Placement::mirrored(Vec3::UnitX())), 0.0, true},
-      {"TurnedOver", moved(turned_over), 0.0, false, true}};
+      {"TurnedOver", moved(turned_over), 0.0, false, true},
+      {"FarAway", moved(Placement::at(far_away)), 0.0, false, false, far_away}};
 }
 
 const std::vector<double>& angles() {
