@@ -27,9 +27,10 @@ constexpr double kBound = 1e-6;  ///< mm, x times |n . d|
 struct Variation {
   std::string name;
   std::function<Scene(const Scene&)> apply;
-  double turn = 0.0;     ///< radians added to every hatch angle
-  bool mirrors = false;  ///< x runs backwards: hatch angles and spans too
-  bool flips = false;    ///< turned over about x: y, z and hatch angles run backwards
+  double turn = 0.0;          ///< radians added to every hatch angle
+  bool mirrors = false;       ///< x runs backwards: hatch angles and spans too
+  bool flips = false;         ///< turned over about x: y, z and hatch angles run backwards
+  Vec3 shift = Vec3::Zero();  ///< mm, with the layers and rows
 };
 
 Placement quarter_turns(int count) {
@@ -48,6 +49,7 @@ std::vector<Variation> variations() {
   };
   Placement turned_over;
   turned_over.linear = Vec3(1.0, -1.0, -1.0).asDiagonal();
+  const Vec3 far_away(8192.25, -4096.5, 16384.125);
   return {
       {"ShuffledFaces", [](const Scene& scene) { return test::with_shuffled_faces(scene, 3); }},
       {"SwappedParameters", test::with_swapped_parameters},
@@ -59,7 +61,8 @@ std::vector<Variation> variations() {
       {"QuarterTurn", moved(quarter_turns(1)), 0.5 * kPi},
       {"HalfTurn", moved(quarter_turns(2)), kPi},
       {"Mirrored", moved(Placement::mirrored(Vec3::UnitX())), 0.0, true},
-      {"TurnedOver", moved(turned_over), 0.0, false, true}};
+      {"TurnedOver", moved(turned_over), 0.0, false, true},
+      {"FarAway", moved(Placement::at(far_away)), 0.0, false, false, far_away}};
 }
 
 const std::vector<double>& angles() {
@@ -84,6 +87,7 @@ std::vector<LayerRequest> make_requests(const Box3& box) {
 std::vector<LayerRequest> varied(std::vector<LayerRequest> requests, const Variation& variation) {
   for (LayerRequest& request : requests) {
     if (variation.flips) request.z = -request.z;
+    request.z += variation.shift.z();
     for (std::size_t i = 0; i < request.lattices.size(); ++i) {
       RowLattice& lattice = request.lattices[i];
       double angle = angles()[i] + variation.turn;
@@ -91,6 +95,7 @@ std::vector<LayerRequest> varied(std::vector<LayerRequest> requests, const Varia
       const RowLattice axes = test::make_lattice(angle, 0.0, 1.0, 1);
       lattice.along = axes.along;
       lattice.across = axes.across;
+      lattice.anchor += lattice.across.dot(Vec2(variation.shift.head<2>()));
       // Turned over, across runs backwards: the same rows in the other order.
       if (variation.flips) {
         lattice.anchor = -lattice.anchor;
@@ -111,10 +116,12 @@ std::vector<LayerRequest> varied(std::vector<LayerRequest> requests, const Varia
 
 /// Spans of the varied scene on the row that corresponds to a row of the scene as it was.
 std::vector<Interval> spans_back(const std::vector<LayerSpans>& layers, const Variation& variation, std::size_t layer,
-                                 std::size_t lattice, std::size_t row, SolidId solid) {
+                                 std::size_t lattice, std::size_t row, SolidId solid, const Vec2& along) {
   if (variation.flips) layer = layer / kSlabLayers * kSlabLayers + (kSlabLayers - 1 - layer % kSlabLayers);
   const SpanRows& rows = layers[layer].lattices[lattice];
   std::vector<Interval> spans = test::spans_of(rows, variation.flips ? rows.rows() - 1 - row : row, solid);
+  const double shift = along.dot(Vec2(variation.shift.head<2>()));
+  for (Interval& span : spans) span = {span.lo - shift, span.hi - shift};
   if (variation.mirrors) {
     for (Interval& span : spans) span = {-span.hi, -span.lo};
     std::reverse(spans.begin(), spans.end());
@@ -138,7 +145,7 @@ void expect_same_spans(const Scene& scene, const std::vector<SolidId>& solids, c
       for (std::int64_t row = lattice.first_row; row < lattice.last_row; ++row) {
         const auto r = static_cast<std::size_t>(row - lattice.first_row);
         for (const SolidId solid : solids) {
-          const std::vector<Interval> here = spans_back(found, variation, k, i, r, solid);
+          const std::vector<Interval> here = spans_back(found, variation, k, i, r, solid, lattice.along);
           EXPECT_LE(bounds.excess(k, i, r, solid, here), kBound)
               << "solid " << solid.value() << " layer " << k << " z " << testing::PrintToString(requests[k].z)
               << " along " << lattice.along.transpose() << " row " << testing::PrintToString(lattice.position(row))
