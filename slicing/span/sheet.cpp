@@ -272,6 +272,8 @@ class Builder {
 bool Sheet::build(const SectionSurface& surface, double sign, double low, double high, const TraceLimits& limits,
                   const EndsAt& ends_at, CarriedArc& carried) {
   clear();
+  // Layers that were settled on one height are no run.
+  if (!(high > low)) return false;
   if (!Builder(surface, sign, low, high, limits, carried).run(ends_at, coefficients_)) {
     clear();
     return false;

@@ -188,7 +188,7 @@ class Trace {
       const Vec2 uv = unwrapped(targets_[i].uv, 0.5 * (current_.uv + step.next.uv), surface_.periods());
       const double t = step.fit.parameter(current_.uv, step.next.uv, uv);
       if (!(t > 1e-9 && t < first) || !is_on(step, targets_[i], uv, t)) continue;
-      if (i == twin_ && !has_come_round(uv)) continue;
+      if (i == twin_ && !has_come_round(uv_at(step.fit, current_, step.next, t))) continue;
       first = t;
       best = i;
       best_uv = uv;
