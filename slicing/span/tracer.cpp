@@ -188,7 +188,7 @@ class Trace {
       const Vec2 uv = unwrapped(targets_[i].uv, 0.5 * (current_.uv + step.next.uv), surface_.periods());
       const double t = step.fit.parameter(current_.uv, step.next.uv, uv);
       if (!(t > 1e-9 && t < first) || !is_on(step, targets_[i], uv, t)) continue;
-      if (i == twin_ && !has_come_round(uv_at(step.fit, current_, step.next, t))) continue;
+      if (i == twin_ && !has_come_round(uv_at(step.fit, current_, step.next, t), targets_[i])) continue;
       first = t;
       best = i;
       best_uv = uv;
@@ -196,10 +196,13 @@ class Trace {
     return best < targets_.size() && finish(best, best_uv);
   }
 
-  /// By a whole period, or nearly: passing a pole closely takes half of one.
-  [[nodiscard]] bool has_come_round(const Vec2& uv) const {
-    const Vec2 way = (uv - arc_.points.front().uv).cwiseAbs();
-    return way[0] > 0.75 * surface_.extent(0) || way[1] > 0.75 * surface_.extent(1);
+  /// By a whole period, or nearly (passing a pole closely takes half of one), or by a way that is long beside the
+  /// distance of the twins: near a pole a seam's gap may be any part of a period.
+  [[nodiscard]] bool has_come_round(const Vec2& uv, const SectionPoint& twin) const {
+    const SectionPoint& start = arc_.points.front();
+    const Vec2 way = (uv - start.uv).cwiseAbs();
+    if (way[0] > 0.75 * surface_.extent(0) || way[1] > 0.75 * surface_.extent(1)) return true;
+    return travelled_ > 20.0 * std::max((twin.xy - start.xy).norm(), limits_.landing);
   }
 
   bool is_on(const Step& step, const SectionPoint& target, const Vec2& uv, double t) const {
@@ -228,6 +231,7 @@ class Trace {
   }
 
   void push(const SectionPoint& point, const ArcPiece& piece, int axis) {
+    travelled_ += (point.xy - arc_.points.back().xy).norm();
     arc_.points.push_back(point);
     arc_.axes.push_back(static_cast<std::int8_t>(axis));
     arc_.cells.push_back(cell_);
@@ -258,6 +262,7 @@ class Trace {
   double z_ = 0.0;
   double length_ = 0.0;
   double grow_ = 1.0;
+  double travelled_ = 0.0;  ///< mm along the chords of the arc so far
 };
 
 }  // namespace
