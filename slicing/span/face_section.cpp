@@ -392,6 +392,8 @@ void FaceSection::bridge(const FacePoint& begin, const FacePoint& end, Section& 
   const bool is_round = begin.piece == end.piece;
   const bool doubtful = is_round || !(height_off(a, b) <= std::max(begin.tolerance, end.tolerance));
   if (doubtful) ++counters.doubtful_arcs;
+  // The chord between twins has no length and meets no row: what is missing must be counted here.
+  if (is_round) ++counters.lost_loops;
   append_chord(first, second, a.xy, b.xy, doubtful, out);
   if (to == 0) return;
   traced_.pieces.clear();

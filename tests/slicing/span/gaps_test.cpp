@@ -38,9 +38,18 @@ std::vector<LayerRequest> make_requests(const Box3& box, std::uint64_t seed) {
   return requests;
 }
 
+/// Layers on which the engine itself counts doubt may be wrong (a section that passes a pole within the gap), but they
+/// must be few: one of the 32.
+constexpr std::size_t kDoubtfulLayers = 1;
+
 void expect_between(const test::NeighborRows& bounds, const std::vector<LayerSpans>& found,
                     const std::vector<LayerRequest>& requests, const std::vector<SolidId>& solids, double reach) {
+  std::size_t doubtful = 0;
   for (std::size_t k = 0; k < found.size(); ++k) {
+    if (found[k].cast.uncertain_hits > 0) {
+      ++doubtful;
+      continue;
+    }
     for (std::size_t i = 0; i < found[k].lattices.size(); ++i) {
       for (std::size_t r = 0; r < found[k].lattices[i].rows(); ++r) {
         for (const SolidId solid : solids) {
@@ -55,6 +64,7 @@ void expect_between(const test::NeighborRows& bounds, const std::vector<LayerSpa
       }
     }
   }
+  EXPECT_LE(doubtful, kDoubtfulLayers);
 }
 
 /// `bounded`: spans are compared too, which makes sense where gaps are smaller than features.
@@ -143,7 +153,7 @@ const std::vector<Made>& solids_made() {
 
 class GapsInSolids : public testing::TestWithParam<std::tuple<std::size_t, double>> {};
 
-TEST_P(GapsInSolids, LeaveEveryRowClosedAndNoSpanFarOff) {
+TEST_P(GapsInSolids, LeaveEveryRowClosedAndNoSpanFarOffUnlessItSaysSo) {
   const auto [number, gap] = GetParam();
   const Scene& scene = solids_made()[number].scene;
   for (unsigned seed = 0; seed < 4; ++seed) {
