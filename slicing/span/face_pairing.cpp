@@ -320,7 +320,7 @@ bool FaceSection::passes_through(const ArcPiece& piece, const Vec2& from, const 
   return (xy - piece.at(t)).squaredNorm() <= slack * slack;
 }
 
-void FaceSection::find_loops(double z) {
+void FaceSection::find_loops(double z, Section& out) {
   find_roots(z);
   if (roots_.empty()) return;
   for (const Family& family : families_) {
@@ -330,17 +330,21 @@ void FaceSection::find_loops(double z) {
     if (roots_[i].visited) continue;
     const CutLine& line = face_->cuts[roots_[i].cut];
     const Vec2 slack = 1e-9 * face_->region->bounds().sizes();
-    if (face_->region->classify(Vec2(roots_[i].u, line.v), slack) == TrimRegion::Side::outside) continue;
+    const TrimRegion::Side side = face_->region->classify(Vec2(roots_[i].u, line.v), slack);
+    if (side == TrimRegion::Side::outside) continue;
     Family family;
     family.cut = static_cast<std::int32_t>(roots_[i].cut);
     family.cut_piece = roots_[i].piece;
     const FacePoint seed = cut_point(family, z);
-    if (!seed.usable) continue;
     roots_[i].visited = true;
-    // What runs into an end node is an arc that has been found already.
     end_points_.front() = seed.point;
-    const bool landed = trace(face_->surface, face_->sign, seed.point, end_points_, limits_, family.carried.arc);
-    if (!landed || family.carried.arc.target != 0) continue;
+    if (!seed.usable || !trace(face_->surface, face_->sign, seed.point, end_points_, limits_, family.carried.arc)) {
+      // On the border it is more likely that a node was missed by its tolerance than that there is a loop.
+      if (side == TrimRegion::Side::inside) out.lost_loops.push_back(face_->id);
+      continue;
+    }
+    // What runs into an end node is an arc that has been found already.
+    if (family.carried.arc.target != 0) continue;
     family.carried.start(z);
     visit_roots(family, z);
     families_.push_back(std::move(family));

@@ -88,7 +88,7 @@ class FaceSection {
   /// Whether a point of the layer lies on an arc's piece, given by its first point and chord as well.
   [[nodiscard]] static bool passes_through(const ArcPiece& piece, const Vec2& from, const Vec2& chord, const Vec2& xy,
                                            double slack);
-  void find_loops(double z);
+  void find_loops(double z, Section& out);
 
   void cut_plane(double z, NodeTable& nodes, Section& out) const;
   void cut_round(double z, NodeTable& nodes, Section& out);
@@ -107,6 +107,12 @@ class FaceSection {
   /// Distance of the face from the middle of the chord between two of its points, mm.
   [[nodiscard]] double height_off(const SectionPoint& a, const SectionPoint& b) const;
   void cut_loop(Family& family, double z, Section& out, SectionCounters& counters);
+
+  /// Notes on the arcs from number `first` on, those of one family on the layer z, what the face says in their nodes.
+  void note_normals(const Family& family, std::size_t first, double z, NodeTable& nodes, Section& out) const;
+  /// Horizontal part of the outward unit normal where a node lies by its pcurve; zero on a crease and where it is
+  /// small.
+  [[nodiscard]] Vec2 node_normal(std::uint32_t use, NodeTable& nodes) const;
 
   [[nodiscard]] double inner_height(double z) const;
   /// (u, v) of a node in the face's chart, by the pcurve.

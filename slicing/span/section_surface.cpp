@@ -16,6 +16,12 @@ namespace {
 /// Share of the domain by which the outer cells reach beyond it.
 constexpr double kOuterMargin = 0.02;
 
+/// Share of a cell by which a point beyond its limit is still on it.
+constexpr double kCellSlack = 1e-9;
+
+/// Share of a cell within which an edge's tolerance may move a point over its limit.
+constexpr double kNearLimit = 1e-4;
+
 /// Bernstein polynomials of one degree with first and, if asked for, second derivatives at a place.
 struct BernsteinRow {
   std::array<double, kMaxDegree + 1> value;
@@ -308,7 +314,12 @@ Cell SectionSurface::find_cell(const Vec2& uv, const Vec2& heading) const {
     const auto last = static_cast<int>(all.size()) - 2;
     const auto above = std::upper_bound(all.begin(), all.end(), uv[axis]) - all.begin() - 1;
     int index = std::clamp(static_cast<int>(above), 0, last);
-    if (heading[axis] < 0.0 && index > 0 && uv[axis] == all[index]) --index;
+    const double slack = kCellSlack * (all[index + 1] - all[index]);
+    if (heading[axis] < 0.0 && index > 0 && uv[axis] <= all[index] + slack) {
+      --index;
+    } else if (heading[axis] > 0.0 && index < last && uv[axis] >= all[index + 1] - slack) {
+      ++index;
+    }
     (axis == 0 ? cell.u : cell.v) = index;
   }
   return cell;
@@ -330,11 +341,21 @@ bool SectionSurface::holds(const Cell& cell, const Vec2& uv, int free_axis) cons
   for (int axis = 0; axis < 2; ++axis) {
     if (axis == free_axis) continue;
     const Interval range = limits(cell, axis);
-    const double slack = 1e-9 * range.length();
+    const double slack = kCellSlack * range.length();
     // Written so that NaN fails; an infinite range has an infinite slack.
     if (!(uv[axis] >= range.lo - slack && uv[axis] <= range.hi + slack)) return false;
   }
   return true;
+}
+
+bool SectionSurface::is_near_limit(const Cell& cell, const Vec2& uv) const {
+  for (int axis = 0; axis < 2; ++axis) {
+    const Interval range = limits(cell, axis);
+    const double slack = kNearLimit * range.length();
+    if (has_neighbor(cell, axis, false) && uv[axis] - range.lo < slack) return true;
+    if (has_neighbor(cell, axis, true) && range.hi - uv[axis] < slack) return true;
+  }
+  return false;
 }
 
 double SectionSurface::extent(int axis) const {

@@ -57,13 +57,15 @@ class SectionSurface {
   /// Without second derivatives, for less.
   [[nodiscard]] SurfacePoint evaluate_slopes(const Vec2& uv, const Cell& cell) const;
 
-  /// The cell that holds `uv`; on a break the one that a step along `heading` enters.
+  /// The cell that holds `uv`; on a break, or nearer to one than rounding, the one that a step along `heading` enters.
   [[nodiscard]] Cell find_cell(const Vec2& uv, const Vec2& heading) const;
 
   /// Limits of a cell along u (axis 0) or v (axis 1), infinite where the surface has none.
   [[nodiscard]] Interval limits(const Cell& cell, int axis) const;
   /// Whether `uv` lies in a cell, to rounding; along `free_axis` it may lie anywhere (-1: along none).
   [[nodiscard]] bool holds(const Cell& cell, const Vec2& uv, int free_axis) const;
+  /// Whether a point of a cell lies so near to one of its limits that it may as well be in the cell beyond.
+  [[nodiscard]] bool is_near_limit(const Cell& cell, const Vec2& uv) const;
   /// Whether there is another cell beyond the cell's upper (or lower) limit.
   [[nodiscard]] bool has_neighbor(const Cell& cell, int axis, bool upper) const;
 
