@@ -40,9 +40,9 @@ SectionCounters& SectionCounters::operator+=(const SectionCounters& other) {
   return *this;
 }
 
-NodeTable::NodeTable(const Scene& scene, const EdgePieces& edges)
-    : scene_(&scene), edges_(&edges), nodes_(edges.all().size()), stamp_(edges.all().size(), 0) {
-  for (std::size_t i = 0; i < nodes_.size(); ++i) nodes_[i].t = std::nan("");
+NodeTable::NodeTable(const EdgePieces& edges)
+    : edges_(&edges), nodes_(edges.all().size()), stamp_(edges.all().size(), 0) {
+  for (Node& node : nodes_) node.t = std::nan("");
 }
 
 void NodeTable::start_layer(double z) {
@@ -52,23 +52,20 @@ void NodeTable::start_layer(double z) {
 
 const Node& NodeTable::node(std::uint32_t piece) {
   if (stamp_[piece] != layer_) {
-    const EdgePiece& edge_piece = edges_->all()[piece];
-    const Curve3& curve = scene_->edges[edge_piece.edge].curve;
-    Node& node = nodes_[piece];
-    node.t = find_crossing(curve, edge_piece.range, z_, node.t);
-    node.xy = evaluate<3>(curve, node.t).point.head<2>();
+    nodes_[piece] = cross(piece, z_);
     stamp_[piece] = layer_;
   }
   return nodes_[piece];
 }
 
-Node NodeTable::node_at(std::uint32_t piece, double z) const {
+Node NodeTable::node_at(std::uint32_t piece, double z) const { return cross(piece, z); }
+
+Node NodeTable::cross(std::uint32_t piece, double z) const {
   const EdgePiece& edge_piece = edges_->all()[piece];
-  const Curve3& curve = scene_->edges[edge_piece.edge].curve;
-  Node node;
-  node.t = find_crossing(curve, edge_piece.range, z, std::nan(""));
-  node.xy = evaluate<3>(curve, node.t).point.head<2>();
-  return node;
+  const Node& known = nodes_[piece];
+  const Crossing crossing =
+      find_crossing(edges_->curve_of(edge_piece), edge_piece.range, z, known.t + (z - known.z) * known.rate);
+  return {crossing.t, crossing.at.point.head<2>(), z, 1.0 / crossing.at.dt.z()};
 }
 
 FaceSection::FaceSection(const Scene& scene, const FaceModel& face, const EdgePieces& edges, const TraceLimits& limits,
@@ -210,7 +207,7 @@ Vec2 FaceSection::chart_point(const PieceUse& use, const Node& node) const {
   const HalfEdge& half = scene_->half_edges[use.half_edge];
   const Edge& edge = scene_->edges[half.edge];
   const double part = (node.t - edge.range.lo) / edge.range.length();
-  return evaluate<2>(half.pcurve, half.prange.lo + part * half.prange.length()).point + use.offset;
+  return face_->pcurves[use.pcurve].evaluate(half.prange.lo + part * half.prange.length()).point + use.offset;
 }
 
 FaceSection::FacePoint FaceSection::face_point(const PieceUse& use, const Node& node, double z) const {
@@ -237,7 +234,7 @@ FaceSection::FacePoint FaceSection::face_point(const PieceUse& use, const Node& 
 
 FaceSection::FacePoint FaceSection::cut_point(const Family& family, double z) const {
   const CutLine& cut = face_->cuts[static_cast<std::size_t>(family.cut)];
-  const double u = find_crossing(cut.curve, cut.pieces[family.cut_piece], z, std::nan(""));
+  const double u = find_crossing(cut.curve, cut.pieces[family.cut_piece], z, std::nan("")).t;
   FacePoint result;
   result.chart = Vec2(u, cut.v);
   const CorrectLimits limits{1e-3 * face_->size};

@@ -17,12 +17,14 @@ namespace lamella::span {
 struct Node {
   double t = 0.0;  ///< parameter of the edge's curve
   Vec2 xy = Vec2::Zero();
+  double z = 0.0;
+  double rate = 0.0;  ///< dt / dz
 };
 
 /// The nodes of one layer, each computed once and read by both faces of its edge.
 class NodeTable {
  public:
-  NodeTable(const Scene& scene, const EdgePieces& edges);
+  explicit NodeTable(const EdgePieces& edges);
 
   /// Forgets the nodes of the last layer; their parameters stay as first guesses.
   void start_layer(double z);
@@ -31,7 +33,8 @@ class NodeTable {
   [[nodiscard]] Node node_at(std::uint32_t piece, double z) const;
 
  private:
-  const Scene* scene_;
+  [[nodiscard]] Node cross(std::uint32_t piece, double z) const;
+
   const EdgePieces* edges_;
   double z_ = 0.0;
   std::uint32_t layer_ = 0;
@@ -78,10 +81,12 @@ class FaceSection {
   void enter_band(std::size_t band, double z, NodeTable& nodes, SectionCounters& counters);
   void pair_plane(double z, const NodeTable& nodes);
   void pair_round(double z, const NodeTable& nodes);
-  void pair_traced(double z, const NodeTable& nodes);
+  /// Pairs at height z; if that is the layer's own height the arcs are kept as they were traced.
+  void pair_traced(double z, bool is_layer, const NodeTable& nodes);
+  [[nodiscard]] double pairing_height(std::size_t band, double layer_z) const;
   void join(std::uint32_t begin, std::uint32_t end);
   void pair_neighbors();
-  void trace_starts();
+  void trace_starts(double z, bool is_layer);
   void pair_rest();
   void find_roots(double z);
   void visit_roots(const Family& family, double z);
@@ -159,6 +164,7 @@ class FaceSection {
   std::vector<FacePoint> points_;  ///< one a use
   std::vector<std::uint8_t> is_paired_;
   std::vector<CutRoot> roots_;
+  std::vector<std::uint32_t> roots_by_x_;
   std::vector<ArcPiece> pieces_;          ///< of the family being looked at
   std::vector<SectionPoint> end_points_;  ///< of the arcs on this layer, behind a place for a loop's seed
 };

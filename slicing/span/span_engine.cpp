@@ -81,7 +81,7 @@ struct SolidSpans {
 class SolidSlab {
  public:
   SolidSlab(const Scene& scene, const SolidSpans& solid, std::span<const double> heights, const TraceLimits& limits)
-      : solid_(&solid), nodes_(scene, solid.edges) {
+      : solid_(&solid), nodes_(solid.edges) {
     for (const double z : heights) heights_.push_back(solid.settled(z));
     const double from = heights_.front();
     const double to = heights_.back();
