@@ -18,6 +18,7 @@ class Breaks {
   explicit Breaks(std::vector<double> limits);
 
   [[nodiscard]] const std::vector<double>& all() const { return limits_; }
+  [[nodiscard]] double operator[](int i) const { return limits_[static_cast<std::size_t>(i)]; }
   /// Where a place lies in a part, 0 to 1, and the derivative of that.
   [[nodiscard]] NetPlace place_in(int part, double place, int degree) const {
     const double scale = scales_[static_cast<std::size_t>(part)];

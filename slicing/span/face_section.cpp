@@ -314,16 +314,21 @@ void FaceSection::try_sheet(Family& family, double inner, const NodeTable& nodes
     gap = std::max({gap, (from.node - begin.xy).norm(), (to.node - end.xy).norm()});
     return from.usable && to.usable;
   };
-  for (; last - layer_ + 1 >= Sheet::kFewestLayers; last = layer_ + (last - layer_) / 2) {
-    const double high = inner_height(heights_[last]);
-    if (family.sheet.build(face_->surface, face_->sign, inner, high, limits_, ends_at, family.carried)) {
+  std::size_t layers = last - layer_ + 1;
+  while (layers >= Sheet::kFewestLayers) {
+    const double high = inner_height(heights_[layer_ + layers - 1]);
+    const double error = family.sheet.build(face_->surface, face_->sign, inner, high, limits_, ends_at, family.carried);
+    if (error <= 1.0) {
       family.sheet.allow_gap(gap);
       ++counters.sheets;
       return;
     }
+    // The error grows with the fifth power of the run's height.
+    if (std::isinf(error)) break;
+    layers = static_cast<std::size_t>(std::min(0.9, 0.9 * std::pow(error, -0.2)) * static_cast<double>(layers));
   }
   // What bends too much for a sheet here will do so a little further up.
-  family.next_sheet = layer_ + Sheet::kFewestLayers;
+  family.next_sheet = heights_.size();
 }
 
 FaceSection::FacePoint FaceSection::layer_point(std::uint32_t use, double z, double inner, NodeTable& nodes) const {

@@ -21,7 +21,7 @@ struct BernsteinRow {
 };
 
 /// One step of the triangular recursion: degree n - 1 to n, in place.
-inline void raise(double* b, int n, double s) {
+inline __attribute__((always_inline)) void raise(double* b, int n, double s) {
   const double r = 1.0 - s;
   b[n] = s * b[n - 1];
   for (int i = n - 1; i > 0; --i) b[i] = r * b[i] + s * b[i - 1];
@@ -29,14 +29,14 @@ inline void raise(double* b, int n, double s) {
 }
 
 /// The derivative's row from that of one degree less: factor (b[i - 1] - b[i]).
-inline void differ(const double* b, int degree, double factor, double* out) {
+inline __attribute__((always_inline)) void differ(const double* b, int degree, double factor, double* out) {
   out[0] = -factor * b[0];
   for (int i = 1; i < degree; ++i) out[i] = factor * (b[i - 1] - b[i]);
   out[degree] = factor * b[degree - 1];
 }
 
 template <bool Bends>
-void fill_general(int degree, double s, double scale, BernsteinRow& row) {
+inline __attribute__((always_inline)) void fill_general(int degree, double s, double scale, BernsteinRow& row) {
   double* b = row.value;
   b[0] = 1.0;
   for (int n = 1; n <= degree - 2; ++n) raise(b, n, s);
@@ -61,7 +61,7 @@ void fill_general(int degree, double s, double scale, BernsteinRow& row) {
 
 /// The degree of most surfaces, written out.
 template <bool Bends>
-inline void fill_cubic(double s, double scale, BernsteinRow& row) {
+inline __attribute__((always_inline)) void fill_cubic(double s, double scale, BernsteinRow& row) {
   const double r = 1.0 - s;
   const double rr = r * r, rs = r * s, ss = s * s;
   row.value[0] = r * rr;
@@ -81,16 +81,28 @@ inline void fill_cubic(double s, double scale, BernsteinRow& row) {
   row.bend[3] = e * s;
 }
 
+/// Where the degree is a constant, the loops are unrolled.
 template <bool Bends>
-inline void fill_row(const NetPlace& at, BernsteinRow& row) {
-  if (at.degree == 3) {
-    fill_cubic<Bends>(at.place, at.scale, row);
-  } else {
-    fill_general<Bends>(at.degree, at.place, at.scale, row);
+void fill_row(const NetPlace& at, BernsteinRow& row) {
+  switch (at.degree) {
+    case 1:
+      return fill_general<Bends>(1, at.place, at.scale, row);
+    case 2:
+      return fill_general<Bends>(2, at.place, at.scale, row);
+    case 3:
+      return fill_cubic<Bends>(at.place, at.scale, row);
+    case 4:
+      return fill_general<Bends>(4, at.place, at.scale, row);
+    case 5:
+      return fill_general<Bends>(5, at.place, at.scale, row);
+    case 6:
+      return fill_general<Bends>(6, at.place, at.scale, row);
+    default:
+      return fill_general<Bends>(at.degree, at.place, at.scale, row);
   }
 }
 
-/// Counts are constants where the compiler can unroll.
+/// `count_v` is a constant for the usual degrees, so that the inner loops are unrolled.
 template <bool Bends>
 inline __attribute__((always_inline)) void contract(const double* net, int count_u, int count_v, const BernsteinRow& bu,
                                                     const BernsteinRow& bv, double* out) {
@@ -129,12 +141,25 @@ inline __attribute__((always_inline)) void contract(const double* net, int count
 template <bool Bends>
 inline void sum_surface(const double* net, const NetPlace& u, const NetPlace& v, double* sums) {
   BernsteinRow bu, bv;
+  if (u.degree == 3 && v.degree == 3) {
+    fill_cubic<Bends>(u.place, u.scale, bu);
+    fill_cubic<Bends>(v.place, v.scale, bv);
+    return contract<Bends>(net, 4, 4, bu, bv, sums);
+  }
   fill_row<Bends>(u, bu);
   fill_row<Bends>(v, bv);
-  if (u.degree == 3 && v.degree == 3) {
-    contract<Bends>(net, 4, 4, bu, bv, sums);
-  } else {
-    contract<Bends>(net, u.degree + 1, v.degree + 1, bu, bv, sums);
+  const int count_u = u.degree + 1;
+  switch (v.degree) {
+    case 1:
+      return contract<Bends>(net, count_u, 2, bu, bv, sums);
+    case 2:
+      return contract<Bends>(net, count_u, 3, bu, bv, sums);
+    case 3:
+      return contract<Bends>(net, count_u, 4, bu, bv, sums);
+    case 5:
+      return contract<Bends>(net, count_u, 6, bu, bv, sums);
+    default:
+      return contract<Bends>(net, count_u, v.degree + 1, bu, bv, sums);
   }
 }
 

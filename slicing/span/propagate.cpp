@@ -29,13 +29,17 @@ class Carrier {
     const std::size_t last = carried_.arc.pieces.size();
     for (std::size_t i = 0; i <= last; ++i) {
       const Cell& cell = carried_.arc.cells[std::min(i, last - 1)];
-      Place place{carried_.arc.points[i], cell, carried_.arc.axes[i], carried_.velocity[i], Vec2::Zero()};
+      Place place{carried_.arc.points[i], cell, carried_.arc.axes[i], false, carried_.velocity[i], Vec2::Zero()};
       if (i == 0 || i == last) {
+        place.fixed = true;
         if (!place_end(i == 0 ? begin : end, place)) return false;
-      } else if (!move_point(i, place)) {
-        // A free point can be spared; one on a limit between cells can't.
-        if (place.axis >= 0) return false;
-        continue;
+      } else {
+        // One between cells can't be spared.
+        place.fixed = !(carried_.arc.cells[i - 1] == cell);
+        if (!move_point(i, place)) {
+          if (place.fixed) return false;
+          continue;
+        }
       }
       places_.push_back(place);
     }
@@ -48,6 +52,7 @@ class Carrier {
     SectionPoint point;
     Cell cell;  ///< of the piece that begins here
     int axis = -1;
+    bool fixed = false;  ///< an end, or between two cells
     Vec2 velocity;
     Vec2 last_velocity;
   };
@@ -110,8 +115,7 @@ class Carrier {
     for (std::size_t i = 0; i + 1 < places_.size();) {
       std::size_t next = i + 1;
       while (!join(places_[i], places_[next], kMaxHalvings)) {
-        const bool is_free = places_[next].axis < 0 && next + 1 < places_.size();
-        if (!is_free) return false;
+        if (places_[next].fixed) return false;
         ++next;
       }
       i = next;
@@ -149,7 +153,7 @@ class Carrier {
     const double chord = (end.xy - a.point.xy).norm();
     const auto middle = correct(surface_, a.cell, uv, z_, sign_, -1, {0.3 * chord});
     if (!middle || !surface_.holds(a.cell, middle->uv, -1)) return false;
-    Place between{*middle, a.cell, -1, rise_of(*middle, -1), Vec2::Zero()};
+    Place between{*middle, a.cell, -1, false, rise_of(*middle, -1), Vec2::Zero()};
     between.point.z = z_;
     between.last_velocity = between.velocity;
     const std::size_t kept = carried_.arc.pieces.size();

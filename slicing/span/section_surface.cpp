@@ -67,8 +67,29 @@ int SectionSurface::piece_of(int axis, double place, int cell) const {
 }
 
 bool SectionSurface::crosses_knot(const Vec2& a, const Vec2& b, const Cell& cell) const {
-  return piece_of(0, a[0], cell.u) != piece_of(0, b[0], cell.u) ||
-         piece_of(1, a[1], cell.v) != piece_of(1, b[1], cell.v);
+  for (int axis = 0; axis < 2; ++axis) {
+    if (pieces_[axis].empty()) continue;
+    const int index = axis == 0 ? cell.u : cell.v;
+    // Points on a knot touch it, no more.
+    const auto [low, high] = std::minmax(a[axis], b[axis]);
+    const double slack = 1e-6 * (high - low);
+    if (piece_of(axis, low + slack, index) != piece_of(axis, high - slack, index)) return true;
+  }
+  return false;
+}
+
+Interval SectionSurface::piece_limits(int axis, double place, double heading, const Cell& cell) const {
+  const Breaks& all = pieces_[axis];
+  if (all.empty()) return {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  const int index = axis == 0 ? cell.u : cell.v;
+  const int first = first_piece_[axis][index];
+  const int last = first_piece_[axis][index + 1];
+  int piece = all.part_of(place, first, last);
+  const double slack = kCellSlack * (all[piece + 1] - all[piece]);
+  if (heading < 0.0 && piece > first && place <= all[piece] + slack) --piece;
+  if (heading > 0.0 && piece + 1 < last && place >= all[piece + 1] - slack) ++piece;
+  const Interval outer = limits(cell, axis);
+  return {piece == first ? outer.lo : all[piece], piece + 1 == last ? outer.hi : all[piece + 1]};
 }
 
 CurvePoint2<3> SectionSurface::basis_point(double t, int piece) const {

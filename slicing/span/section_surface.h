@@ -45,6 +45,9 @@ class SectionSurface {
   [[nodiscard]] bool has_cells() const { return !breaks_[0].empty() || !breaks_[1].empty(); }
   /// Whether a knot with continuous second derivatives lies between two points of one cell.
   [[nodiscard]] bool crosses_knot(const Vec2& a, const Vec2& b, const Cell& cell) const;
+  /// Limits along one axis of the polynomial piece that a step from `place` along `heading` runs in. Between pieces of
+  /// one cell second derivatives are continuous, the next ones are not.
+  [[nodiscard]] Interval piece_limits(int axis, double place, double heading, const Cell& cell) const;
 
   /// Period along u or v, or the length of a spline's domain; infinite where there is neither.
   [[nodiscard]] double extent(int axis) const;

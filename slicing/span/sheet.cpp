@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "slicing/span/depth_kernel.h"
 
@@ -22,6 +23,9 @@ constexpr double kLargestTurn = 0.7;  // radians between neighbouring points
 
 /// Accepted error, in tolerances: tracing keeps to one, so that a run has room for the interpolation.
 constexpr double kAccepted = 4.0;
+
+/// Errors beyond this multiple of what is accepted end the measuring.
+constexpr double kHopeless = 100.0;
 
 /// Corrections up to this share of a piece are taken from the second derivatives, to third order.
 constexpr double kExactShift = 1e-4;
@@ -62,7 +66,8 @@ class Builder {
           CarriedArc& carried)
       : surface_(surface), sign_(sign), low_(low), high_(high), limits_(limits), carried_(carried) {}
 
-  bool run(const Sheet::EndsAt& ends_at, std::vector<double>& coefficients) {
+  double run(const Sheet::EndsAt& ends_at, std::vector<double>& coefficients) {
+    constexpr double kLost = std::numeric_limits<double>::infinity();
     const TracedArc& start = carried_.arc;
     points_ = start.points;
     const std::size_t pieces = start.pieces.size();
@@ -71,18 +76,18 @@ class Builder {
     ways_.resize(points_.size());
     for (std::size_t i = 1; i < pieces; ++i) ways_[i].direction = rise_of(points_[i], start.axes[i]);
     find_anchors();
-    if (!take_pieces(0)) return false;
+    if (!take_pieces(0)) return kLost;
     for (int j = 1; j < kNodes; ++j) {
       const double z = height(kPlaces[j]);
       SectionPoint begin, end;
-      if (!ends_at(z, begin, end) || !place_end(0, begin, z) || !place_end(pieces, end, z)) return false;
-      if (!move_points(j, z)) return false;
-      if (!take_pieces(j)) return false;
+      if (!ends_at(z, begin, end) || !place_end(0, begin, z) || !place_end(pieces, end, z)) return kLost;
+      if (!move_points(j, z) || !take_pieces(j)) return kLost;
     }
-    if (!measure()) return false;
+    const double error = measure() / (kAccepted * limits_.tolerance);
+    if (!(error <= 1.0)) return error;
     store(coefficients);
     leave_at_top();
-    return true;
+    return error;
   }
 
  private:
@@ -198,20 +203,31 @@ class Builder {
     return true;
   }
 
-  bool measure() {
+  /// The largest error, or the first that is much too large, mm; infinite where a piece leaves its cell.
+  double measure() {
     for (NodeValues& values : numbers_) values = monomials(values);
     for (NodeValues& values : uv_numbers_) values = monomials(values);
-    const std::vector<Cell>& cells = carried_.arc.cells;
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-      if (!stays_in_cell(i)) return false;
-      const bool crosses = surface_.crosses_knot(points_[i].uv, points_[i + 1].uv, cells[i]);
-      for (std::size_t m = 0; m < (crosses ? kMeasured.size() : 1); ++m) {
-        for (const double place : kProbes) {
-          if (!(error_at(i, m, place) <= kAccepted * limits_.tolerance)) return false;
-        }
+    const double hopeless = kHopeless * kAccepted * limits_.tolerance;
+    double largest = 0.0;
+    for (std::size_t i = 0; i < carried_.arc.cells.size(); ++i) {
+      if (!stays_in_cell(i)) return std::numeric_limits<double>::infinity();
+      largest = std::max(largest, error_of(i));
+      if (!(largest <= hopeless)) break;
+    }
+    return largest;
+  }
+
+  [[nodiscard]] double error_of(std::size_t piece) const {
+    const Cell& cell = carried_.arc.cells[piece];
+    const bool crosses = surface_.crosses_knot(points_[piece].uv, points_[piece + 1].uv, cell);
+    double largest = 0.0;
+    for (std::size_t m = 0; m < (crosses ? kMeasured.size() : 1); ++m) {
+      for (const double place : kProbes) {
+        const double error = error_at(piece, m, place);
+        if (!(error <= largest)) largest = error;  // keeps NaN
       }
     }
-    return true;
+    return largest;
   }
 
   /// Whether a piece stays within its cell where the sheet is measured.
@@ -284,19 +300,21 @@ class Builder {
 
 }  // namespace
 
-bool Sheet::build(const SectionSurface& surface, double sign, double low, double high, const TraceLimits& limits,
-                  const EndsAt& ends_at, CarriedArc& carried) {
+double Sheet::build(const SectionSurface& surface, double sign, double low, double high, const TraceLimits& limits,
+                    const EndsAt& ends_at, CarriedArc& carried) {
   clear();
   // Layers that were settled on one height are no run.
-  if (!(high > low)) return false;
-  if (!Builder(surface, sign, low, high, limits, carried).run(ends_at, coefficients_)) {
+  if (!(high > low)) return std::numeric_limits<double>::infinity();
+  const double error = Builder(surface, sign, low, high, limits, carried).run(ends_at, coefficients_);
+  // Written so that NaN fails.
+  if (!(error <= 1.0)) {
     clear();
-    return false;
+    return std::isnan(error) ? std::numeric_limits<double>::infinity() : error;
   }
   low_ = low;
   high_ = high;
   piece_count_ = carried.arc.pieces.size();
-  return true;
+  return error;
 }
 
 void Sheet::evaluate(double z, ArcPiece* pieces) const {

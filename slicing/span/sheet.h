@@ -23,11 +23,13 @@ class Sheet {
   using EndsAt = std::function<bool(double z, SectionPoint& begin, SectionPoint& end)>;
 
   /// Builds the sheet from `carried`, an arc at the lower end of [low, high], which is left at the upper end when it
-  /// succeeds and as it was when it doesn't. Interior points move on straight lines in (u, v), those on cell limits
-  /// along them. The result is measured against the surface between the nodes, in the middle of every piece: false if
-  /// the tolerance isn't kept.
-  bool build(const SectionSurface& surface, double sign, double low, double high, const TraceLimits& limits,
-             const EndsAt& ends_at, CarriedArc& carried);
+  /// succeeds and as it was when it doesn't. Interior points move on straight lines in (u, v), those on knots along
+  /// them. The result is measured against the surface between the nodes, in the middle of every piece.
+  ///
+  /// Returns the error in terms of what is accepted: 1 or less when it succeeded. Infinite where the points could not
+  /// be followed.
+  double build(const SectionSurface& surface, double sign, double low, double high, const TraceLimits& limits,
+               const EndsAt& ends_at, CarriedArc& carried);
 
   /// How far the arc's ends may lie off their stored nodes: as far as they did where the sheet is exact, mm. A curve
   /// with a knot between two exact sections shows by more.

@@ -15,9 +15,13 @@ constexpr double kCellSlack = 1e-9;       // of a cell: beyond its limit by less
 constexpr double kCorrectionShare = 0.3;  // of a step: a longer correction is not trusted
 constexpr double kGrowth = 2.0;
 
-/// Where a step of arc length from a point first leaves its cell.
+/// A step ends on a knot that it would cross, unless that lies nearer than this share of it.
+constexpr double kLeastShare = 0.05;
+
+/// Where a step of arc length from a point first leaves its cell, or meets a knot within it.
 struct Exit {
   int axis = -1;
+  bool within = false;  ///< a knot of the cell, that steps may cross
   bool upper = false;
   double value = 0.0;
   double length = 0.0;
@@ -56,7 +60,23 @@ Exit find_exit(const SectionSurface& surface, const Cell& cell, const SectionPoi
     const bool inward = (from.uv_slope[axis] > 0.0) != above;
     const double s = first_reach(value - from.uv[axis], from.uv_slope[axis], from.uv_bend[axis],
                                  inward ? 1e-6 * length : 0.0, length);
-    if (exit.axis < 0 || s < exit.length) exit = {axis, above, value, s};
+    if (exit.axis < 0 || s < exit.length) exit = {axis, false, above, value, s};
+  }
+  return exit;
+}
+
+/// The same for the knots within the cell: a piece between two of them is as smooth as can be.
+Exit find_knot(const SectionSurface& surface, const Cell& cell, const SectionPoint& from, const Exit& cell_exit) {
+  Exit exit = cell_exit;
+  const Vec2 to = predict(from, cell_exit.length);
+  for (int axis = 0; axis < 2; ++axis) {
+    const Interval limits = surface.piece_limits(axis, from.uv[axis], to[axis] - from.uv[axis], cell);
+    const bool above = to[axis] > limits.hi;
+    if (!above && !(to[axis] < limits.lo)) continue;
+    const double value = above ? limits.hi : limits.lo;
+    const double s = first_reach(value - from.uv[axis], from.uv_slope[axis], from.uv_bend[axis],
+                                 kLeastShare * cell_exit.length, cell_exit.length);
+    if (s < exit.length) exit = {axis, true, above, value, s};
   }
   return exit;
 }
@@ -140,7 +160,7 @@ class Trace {
 
   std::optional<Step> try_step(double length) {
     Step step;
-    step.exit = find_exit(surface_, cell_, current_, length);
+    step.exit = find_knot(surface_, cell_, current_, find_exit(surface_, cell_, current_, length));
     Vec2 uv = predict(current_, step.exit.length);
     // A correction may leave the cell where the prediction didn't, or by its other side: then end on that limit.
     for (int attempt = 0; attempt < 3; ++attempt) {
@@ -165,6 +185,7 @@ class Trace {
       const bool above = uv[axis] > limits.hi + slack;
       if (!above && !(uv[axis] < limits.lo - slack)) continue;
       exit.axis = axis;
+      exit.within = false;
       exit.upper = above;
       exit.value = above ? limits.hi : limits.lo;
       return true;
@@ -240,10 +261,12 @@ class Trace {
 
   bool advance(const Step& step) {
     push(step.next, step.fit.piece, step.exit.axis);
-    length_ = step.exit.length * grow_;
-    if (step.exit.axis >= 0) length_ = std::max(length_, 0.5 * limits_.longest);
+    // A step that a limit has cut short says little of how long the next one may be.
+    length_ = step.exit.axis >= 0 ? std::max(length_, step.exit.length * grow_) : step.exit.length * grow_;
+    const bool leaves = step.exit.axis >= 0 && !step.exit.within;
+    if (leaves) length_ = std::max(length_, 0.5 * limits_.longest);
     current_ = step.next;
-    if (step.exit.axis >= 0 && !surface_.has_neighbor(cell_, step.exit.axis, step.exit.upper)) return false;
+    if (leaves && !surface_.has_neighbor(cell_, step.exit.axis, step.exit.upper)) return false;
     if (!enter_next_cell(surface_, current_, cell_)) return true;
     current_ = section_point(surface_.evaluate(current_.uv, cell_), current_.uv, sign_);
     current_.z = z_;

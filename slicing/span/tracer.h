@@ -22,7 +22,7 @@ struct TraceLimits {
 struct TracedArc {
   std::vector<SectionPoint> points;
   std::vector<Cell> cells;        ///< one a piece
-  std::vector<std::int8_t> axes;  ///< one a point: 0 or 1 where it lies on a cell limit u or v = const, else -1
+  std::vector<std::int8_t> axes;  ///< one a point: 0 or 1 where it lies on a knot u or v = const, else -1
   std::vector<ArcPiece> pieces;
   std::size_t target = 0;  ///< index of the target it ended on
   bool landed = false;
@@ -41,7 +41,8 @@ inline constexpr std::size_t kNoTwin = static_cast<std::size_t>(-1);
 /// Follows the section z = const of a surface from `start` along z x n until it meets one of `targets` (points of the
 /// same section, at any period); false and what was traced when it doesn't. `start` itself may be a target: then the
 /// arc runs once round. The target number `twin` is the start's own node seen from the other side of a seam: it counts
-/// only once the arc has come round by a period. Steps end on the surface's knots, so that every piece is smooth.
+/// only once the arc has come round by a period. Steps end on the surface's knots, so that every piece is smooth; where
+/// an arc runs along a knot with continuous second derivatives, a piece may cross it.
 bool trace(const SectionSurface& surface, double sign, const SectionPoint& start, std::span<const SectionPoint> targets,
            const TraceLimits& limits, TracedArc& arc, std::size_t twin = kNoTwin);
 
