@@ -13,6 +13,7 @@
 #include "materials/material_rules.h"
 #include "model/measure.h"
 #include "model/step/read_step.h"
+#include "slicing/copies.h"
 #include "tests/support/paths.h"
 
 namespace lamella::datasets {
@@ -104,6 +105,17 @@ TEST_P(TrayFile, KeepsCopiesApartByTheGap) {
       EXPECT_GE(apart.maxCoeff(), 2.0 - 1e-6);
     }
   }
+}
+
+TEST_P(TrayFile, IsRecognisedAsCopiesWhereverSolidsAreApart) {
+  const std::filesystem::path file = write();
+  const Scene scene = read_step({&file, 1});
+  std::vector<SolidId> solids;
+  for (const SolidId id : scene.solids.ids()) solids.push_back(id);
+  std::size_t copied = 0;
+  for (const CopiedCluster& cluster : find_copies(scene, measure_solids(scene), solids))
+    copied += cluster.copies.size() * cluster.copies.front().solids.size();
+  EXPECT_EQ(copied, solids.size());
 }
 
 // Unturned, turned, in inches, and with an instance that is a mirror image.
