@@ -8,6 +8,8 @@
 #include <numeric>
 #include <tuple>
 
+#include "model/instances.h"
+
 namespace lamella {
 
 namespace {
@@ -88,27 +90,16 @@ Trait trait_of(const Scene& scene, SolidId solid, const Vec3& corner) {
   return {info.file, instance.body, turn, instance.shift.z(), rounded(0), rounded(1)};
 }
 
-/// Whether two solids were converted to the same faces.
-bool have_same_faces(const Scene& scene, SolidId a, SolidId b) {
+/// Faces of a solid are contiguous where one difference of ids leads from those of `a` to those of `b`.
+bool have_parallel_ids(const Scene& scene, SolidId a, SolidId b) {
   const IdRange<ShellId> shells_a = scene.solids[a].shells;
   const IdRange<ShellId> shells_b = scene.solids[b].shells;
-  if (shells_a.count != shells_b.count) return false;
-  for (std::size_t s = 0; s < shells_a.count; ++s) {
-    const IdRange<FaceId> faces_a = scene.shells[ShellId{shells_a.first.value() + s}].faces;
-    const IdRange<FaceId> faces_b = scene.shells[ShellId{shells_b.first.value() + s}].faces;
-    if (faces_a.count != faces_b.count) return false;
-    // Faces of a solid are contiguous, so that one difference of ids holds for all of them.
-    if (faces_a.first.value() - faces_b.first.value() !=
-        scene.shells[shells_a.first].faces.first.value() - scene.shells[shells_b.first].faces.first.value())
+  const auto first_face = [&](const IdRange<ShellId>& shells, std::size_t i) {
+    return scene.shells[ShellId{shells.first.value() + i}].faces.first.value();
+  };
+  for (std::size_t i = 1; i < shells_a.count; ++i) {
+    if (first_face(shells_a, i) - first_face(shells_a, 0) != first_face(shells_b, i) - first_face(shells_b, 0))
       return false;
-    for (std::size_t f = 0; f < faces_a.count; ++f) {
-      const Face& face_a = scene.faces[FaceId{faces_a.first.value() + f}];
-      const Face& face_b = scene.faces[FaceId{faces_b.first.value() + f}];
-      if (face_a.step_entity == 0 || face_a.step_entity != face_b.step_entity) return false;
-      if (face_a.surface.index() != face_b.surface.index() || face_a.same_sense != face_b.same_sense ||
-          face_a.loops.count != face_b.loops.count)
-        return false;
-    }
   }
   return true;
 }
@@ -143,7 +134,8 @@ bool is_copy(const Scene& scene, const Cluster& first, const Cluster& other) {
   for (std::size_t i = 0; i < first.solids.size(); ++i) {
     const Vec3 miss = shift(other.solids[i]) - shift(first.solids[i]) - offset;
     if (!(miss.cwiseAbs().maxCoeff() <= kSamePlace)) return false;
-    if (!have_same_faces(scene, first.solids[i], other.solids[i])) return false;
+    if (!is_shifted(scene, first.solids[i], other.solids[i], offset)) return false;
+    if (!have_parallel_ids(scene, first.solids[i], other.solids[i])) return false;
   }
   return true;
 }
