@@ -119,7 +119,7 @@ class CopiedPart {
     if (!is_met) return cut;
     engine_.cut(cut.requests, cut.spans);
     for (std::size_t i = 0; i < cut.requests.size(); ++i) check_layer_spans(cut.requests[i], cut.spans[i]);
-    count_doubts_of_sections(cut);
+    count_lost_loops(cut);
     return cut;
   }
 
@@ -167,19 +167,15 @@ class CopiedPart {
     return shifted;
   }
 
-  /// An engine counts rows and hits for every lattice that it is given, but a doubt of the section itself, which every
-  /// copy shares, only once. Such doubts are rare: the slab is then cut again without any rows to learn which they are.
-  void count_doubts_of_sections(Cut& cut) const {
-    const auto is_doubtful = [](const LayerSpans& spans) { return spans.cast.uncertain_hits > 0; };
-    if (std::none_of(cut.spans.begin(), cut.spans.end(), is_doubtful)) return;
-    std::vector<LayerRequest> requests = cut.requests;
-    for (LayerRequest& request : requests) request.lattices.clear();
-    std::vector<LayerSpans> spans;
-    make_layer_spans(requests, spans);
-    engine_.cut(requests, spans);
-    for (std::size_t i = 0; i < spans.size(); ++i) {
-      if (cut.requests[i].lattices.empty()) continue;
-      cut.spans[i].cast.uncertain_hits += (copied_.copies.size() - 1) * spans[i].cast.uncertain_hits;
+  /// An engine counts rows and hits for every lattice that it is given, but a loop that its section lacks only once.
+  /// What failed keeps the name of the first copy, with the count of all.
+  void count_lost_loops(Cut& cut) const {
+    for (LayerSpans& spans : cut.spans) {
+      for (FailedCheck& failed : spans.failed) {
+        if (failed.check != Check::loops) continue;
+        spans.cast.uncertain_hits += (copied_.copies.size() - 1) * failed.count;
+        failed.count *= copied_.copies.size();
+      }
     }
   }
 
@@ -215,7 +211,12 @@ class CopiedEngine {
     for (std::size_t i = 0; i < slab.size(); ++i) {
       if (rest_.cut) check_layer_spans(slab[i], rest[i]);
       out[i].cast = rest[i].cast;
-      for (const CopiedPart::Cut& cut : cuts) out[i].cast += cut.spans[i].cast;
+      out[i].failed = std::move(rest[i].failed);
+      for (const CopiedPart::Cut& cut : cuts) {
+        const LayerSpans& spans = cut.spans[i];
+        out[i].cast += spans.cast;
+        out[i].failed.insert(out[i].failed.end(), spans.failed.begin(), spans.failed.end());
+      }
       for (std::size_t k = 0; k < slab[i].lattices.size(); ++k) {
         const RowLattice& lattice = slab[i].lattices[k];
         sources.clear();

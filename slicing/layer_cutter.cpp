@@ -112,6 +112,7 @@ void LayerCutter::combine(const LayerRequest& request, const LayerSpans& spans, 
                           CutLayer& out) const {
   check_layer_spans(request, spans);
   out.cast = spans.cast;
+  out.failed = spans.failed;
   begin_layer(plan_, request.layer, request, out.layer);
   workspace.sums.clear(limits_.solids, limits_.materials);
   combine_rows(spans.lattices[0], workspace, out.layer.raster,

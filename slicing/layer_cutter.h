@@ -17,6 +17,7 @@ namespace lamella {
 struct CutLayer {
   Layer layer;
   CastCounters cast;
+  std::vector<FailedCheck> failed;
   LayerLengths lengths;
 };
 

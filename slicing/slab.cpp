@@ -17,12 +17,23 @@ void make_layer_spans(std::span<const LayerRequest> slab, std::vector<LayerSpans
   out.resize(slab.size());
   for (std::size_t i = 0; i < slab.size(); ++i) {
     out[i].cast = {};
+    out[i].failed.clear();
     out[i].lattices.resize(slab[i].lattices.size());
     for (SpanRows& rows : out[i].lattices) {
       rows.row_start.assign(1, 0);
       rows.spans.clear();
     }
   }
+}
+
+void note_failed(std::vector<FailedCheck>& failed, const FailedCheck& more) {
+  for (FailedCheck& known : failed) {
+    if (known.check != more.check || known.solid != more.solid || known.face != more.face) continue;
+    known.count += more.count;
+    known.longest = std::max(known.longest, more.longest);
+    return;
+  }
+  failed.push_back(more);
 }
 
 void check_layer_spans(const LayerRequest& request, const LayerSpans& spans) {

@@ -46,11 +46,34 @@ struct LayerRequest {
   std::vector<RowLattice> lattices;
 };
 
+/// A check of an engine on its own work (docs/methods/span-engine.md, Checks).
+enum class Check : std::uint8_t {
+  closure,  ///< a row enters a solid as often as it leaves it
+  winding,  ///< between two crossings a row is either in the solid or not
+  balance,  ///< an arc leaves and reaches its nodes on the side that the face's normal has there
+  loops,    ///< every loop that is known to be there can be followed
+  arcs,     ///< every arc can be followed from node to node
+  depth,    ///< every row meets its arc
+};
+
+/// What failed a check on one layer. `face` is none where the solid as a whole failed.
+struct FailedCheck {
+  Check check = Check::closure;
+  SolidId solid;
+  FaceId face;
+  std::uint64_t count = 0;  ///< rows; loops for Check::loops
+  double longest = 0.0;     ///< mm, of Check::winding: along the row
+};
+
 /// What cutting one layer gave: one SpanRows a lattice, in the order of the request.
 struct LayerSpans {
   std::vector<SpanRows> lattices;
   CastCounters cast;
+  std::vector<FailedCheck> failed;
 };
+
+/// Adds to the entry of the same check, solid and face, or makes one.
+void note_failed(std::vector<FailedCheck>& failed, const FailedCheck& more);
 
 /// How many consecutive layers an engine cuts as one unit of work. Slabs begin at multiples of it, whatever the number
 /// of threads, so that what an engine carries from layer to layer can't change the result.

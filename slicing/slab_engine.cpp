@@ -152,6 +152,8 @@ SlabEngine join_engines(SlabEngine first, SlabEngine second) {
       check_layer_spans(slab[i], b[i]);
       out[i].cast = a[i].cast;
       out[i].cast += b[i].cast;
+      out[i].failed = std::move(a[i].failed);
+      out[i].failed.insert(out[i].failed.end(), b[i].failed.begin(), b[i].failed.end());
       for (std::size_t k = 0; k < slab[i].lattices.size(); ++k) {
         merge_rows(a[i].lattices[k], b[i].lattices[k], out[i].lattices[k]);
       }

@@ -70,6 +70,7 @@ Tally::Tally(const Scene& scene, const MaterialTable& table, const IdVector<Soli
 
 void Tally::add(const CutLayer& cut) {
   report_.cast += cut.cast;
+  for (const FailedCheck& failed : cut.failed) failed_.add(failed, cut.layer.index, cut.layer.z_sample);
   if (table_.policy == OverlapPolicy::error) refuse_overlaps(cut);
   const double area = plan_.grid.pitch.y() * (cut.layer.z_top - cut.layer.z_bottom);
   report_.segments += cut.layer.raster.segments.size();
@@ -156,6 +157,7 @@ void Tally::report_casts() {
     finding.hint = "compare the volumes, or move the lattice by a fraction of the pitch with --origin";
     report_.findings.push_back(std::move(finding));
   };
+  failed_.report(scene_, report_.findings);
   note(report_.cast.unclosed_rays, " rays could not be closed; their solid is missing there");
   note(report_.cast.repaired_rays, " rays were repaired by dropping or inventing hits");
   note(report_.cast.uncertain_hits, " hits are uncertain within the file's own tolerances");

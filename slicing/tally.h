@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "slicing/compensated_sum.h"
+#include "slicing/failed_checks.h"
 #include "slicing/layer_cutter.h"
 #include "slicing/report.h"
 
@@ -47,6 +48,7 @@ class Tally {
   std::vector<CompensatedSum> material_volume_;
   Pairs overlaps_;
   Pairs gaps_;
+  FailedChecks failed_;
 };
 
 }  // namespace lamella

@@ -1,10 +1,14 @@
 #include "slicing/span/arc_piece.h"
 
+#include <algorithm>
 #include <limits>
 
 namespace lamella::span {
 
 namespace {
+
+/// Share of a cell by which a piece may bulge over its limit: it costs less than the accuracy.
+constexpr double kCellSlack = 1e-8;
 
 /// Value, first and second derivative at one end of a piece.
 struct EndData {
@@ -57,6 +61,10 @@ double slope_at(const std::array<double, 6>& c, double t) {
   return c[1] + t * (2.0 * c[2] + t * (3.0 * c[3] + t * (4.0 * c[4] + t * 5.0 * c[5])));
 }
 
+double bend_at(const std::array<double, 6>& c, double t) {
+  return 2.0 * c[2] + t * (6.0 * c[3] + t * (12.0 * c[4] + t * 20.0 * c[5]));
+}
+
 ArcPiece joined(const EndData& a, const EndData& b) { return {quintic(a, b, 0), quintic(a, b, 1)}; }
 
 Vec2 chord_weight(const SectionPoint& a, const SectionPoint& b) {
@@ -65,6 +73,29 @@ Vec2 chord_weight(const SectionPoint& a, const SectionPoint& b) {
   const double f = 0.5 * (a.metric[1] + b.metric[1]);
   const double g = 0.5 * (a.metric[2] + b.metric[2]);
   return {e * step[0] + f * step[1], f * step[0] + g * step[1]};
+}
+
+/// Bernstein coefficients on [0, 1].
+std::array<double, 6> bernstein(const std::array<double, 6>& c) {
+  return {c[0],
+          c[0] + c[1] / 5.0,
+          c[0] + 2.0 / 5.0 * c[1] + c[2] / 10.0,
+          c[0] + 3.0 / 5.0 * c[1] + 3.0 / 10.0 * c[2] + c[3] / 10.0,
+          c[0] + 4.0 / 5.0 * c[1] + 3.0 / 5.0 * c[2] + 2.0 / 5.0 * c[3] + c[4] / 5.0,
+          c[0] + c[1] + c[2] + c[3] + c[4] + c[5]};
+}
+
+/// Whether a polynomial stays within a range; halved at most `depth` times to see it.
+bool stays_in(std::array<double, 6> net, const Interval& range, int depth) {
+  const auto [lowest, highest] = std::minmax_element(net.begin(), net.end());
+  if (*lowest >= range.lo && *highest <= range.hi) return true;
+  if (depth == 0) return false;
+  std::array<double, 6> front;
+  for (std::size_t n = 0; n < net.size(); ++n) {
+    front[n] = net[0];
+    for (std::size_t i = 0; i + 1 + n < net.size(); ++i) net[i] = 0.5 * (net[i] + net[i + 1]);
+  }
+  return stays_in(front, range, depth - 1) && stays_in(net, range, depth - 1);
 }
 
 /// The parameter must run forward at both ends at a rate near the mean, or the quintic overshoots.
@@ -81,6 +112,8 @@ bool is_even(const End& a, const End& b, double length) {
 Vec2 ArcPiece::at(double t) const { return {value_at(x, t), value_at(y, t)}; }
 
 Vec2 ArcPiece::slope(double t) const { return {slope_at(x, t), slope_at(y, t)}; }
+
+Vec2 ArcPiece::bend(double t) const { return {bend_at(x, t), bend_at(y, t)}; }
 
 ArcPiece straight_piece(const Vec2& a, const Vec2& b) {
   ArcPiece piece;
@@ -116,12 +149,27 @@ bool join_points(const SectionPoint& a, const SectionPoint& b, ArcPiece& piece, 
   return true;
 }
 
+bool stays_in_cell(const SectionSurface& surface, const Cell& cell, const ArcPiece& uv) {
+  constexpr int kHalvings = 3;
+  for (int axis = 0; axis < 2; ++axis) {
+    const bool below = surface.has_neighbor(cell, axis, false);
+    const bool above = surface.has_neighbor(cell, axis, true);
+    if (!below && !above) continue;
+    Interval range = surface.limits(cell, axis);
+    const double slack = kCellSlack * range.length();
+    range.lo = below ? range.lo - slack : -std::numeric_limits<double>::infinity();
+    range.hi = above ? range.hi + slack : std::numeric_limits<double>::infinity();
+    if (!stays_in(bernstein(axis == 0 ? uv.x : uv.y), range, kHalvings)) return false;
+  }
+  return true;
+}
+
 PieceFit fit_piece(const SectionSurface& surface, const Cell& cell, const SectionPoint& a, const SectionPoint& b) {
   PieceFit fit;
   fit.error = std::numeric_limits<double>::infinity();
   fit.weight = chord_weight(a, b);
   ArcPiece uv;
-  if (!join_points(a, b, fit.piece, uv)) return fit;
+  if (!join_points(a, b, fit.piece, uv) || !stays_in_cell(surface, cell, uv)) return fit;
   const Vec2 aside(-fit.weight[1], fit.weight[0]);
   const std::size_t count = surface.crosses_knot(a.uv, b.uv, cell) ? kMeasured.size() : 1;
   double error = std::abs(b.z - a.z);

@@ -15,6 +15,8 @@ struct ArcPiece {
   [[nodiscard]] Vec2 at(double t) const;
   /// Derivative by t.
   [[nodiscard]] Vec2 slope(double t) const;
+  /// Second derivative by t.
+  [[nodiscard]] Vec2 bend(double t) const;
 };
 
 /// The chord from `a` to `b`.
@@ -45,6 +47,9 @@ struct PieceFit {
 /// The same without the measurement: the piece in the plane and that in (u, v); false when the two points can't be
 /// joined by one piece.
 [[nodiscard]] bool join_points(const SectionPoint& a, const SectionPoint& b, ArcPiece& piece, ArcPiece& uv);
+
+/// Whether a piece in (u, v) stays within its cell; on its outer sides the surface's last cells have room.
+[[nodiscard]] bool stays_in_cell(const SectionSurface& surface, const Cell& cell, const ArcPiece& uv);
 
 /// Parameters at which a piece is measured: where a smooth arc's error is largest, and on both sides of it where a knot
 /// may lie within the piece.

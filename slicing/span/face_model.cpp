@@ -34,20 +34,19 @@ std::optional<Curve3> iso_v_curve(const Surface& surface, double v) {
   if (const auto* fitted = std::get_if<FittedSurface>(&surface)) return Curve3(iso_curve(fitted->fit, false, v));
   if (std::holds_alternative<Plane>(surface)) return std::nullopt;
   if (const auto* extrusion = std::get_if<Extrusion>(&surface)) {
-    Curve3 moved = extrusion->basis;
     const Vec3 offset = v * extrusion->direction;
-    std::visit(
-        [&](auto& curve) {
-          using T = std::decay_t<decltype(curve)>;
+    return std::visit(
+        [&](auto curve) {
+          using T = decltype(curve);
           if constexpr (std::is_same_v<T, Line<3>>) curve.origin += offset;
           if constexpr (std::is_same_v<T, Parabola<3>>) curve.apex += offset;
           if constexpr (std::is_same_v<T, Ellipse<3>> || std::is_same_v<T, Hyperbola<3>>) curve.center += offset;
           if constexpr (std::is_same_v<T, BSplineCurve<3>>) {
             for (Vec3& pole : curve.poles) pole += offset;
           }
+          return Curve3(std::move(curve));
         },
-        moved);
-    return moved;
+        extrusion->basis);
   }
   // The rest are of revolution: a circle through the points at u = 0, pi / 2 and pi.
   const Vec3 a = evaluate_point(surface, {0.0, v});
@@ -113,6 +112,8 @@ class Builder {
     extend(scene_.vertices[edge.end].point);
     if (edge.degenerate) return;
     const auto [first, last] = edges_.of(half.edge);
+    const auto pcurve = static_cast<std::uint32_t>(model_.pcurves.size());
+    model_.pcurves.emplace_back(half.pcurve);
     for (std::uint32_t i = 0; i < last - first; ++i) {
       const std::uint32_t piece = half.forward ? first + i : last - 1 - i;
       const MonotonePiece& range = edges_.all()[piece].range;
@@ -120,7 +121,7 @@ class Builder {
       heights_.push_back(range.z1);
       extend(evaluate<3>(edge.curve, 0.5 * (range.t0 + range.t1)).point);
       if (range.z0 == range.z1) continue;
-      model_.uses.push_back({piece, id, offset, range.rises() == half.forward, loop});
+      model_.uses.push_back({piece, id, pcurve, offset, range.rises() == half.forward, loop});
     }
   }
 
@@ -156,10 +157,10 @@ class Builder {
     if (!(end > from[0])) return;
     auto curve = iso_v_curve(face_.surface, from[1]);
     if (!curve) return;
-    CutLine cut{std::move(*curve), from[1], {}};
+    CutLine cut{SectionCurve<3>(*curve), from[1], {}};
     const double z_begin = evaluate_point(face_.surface, from).z();
     const double z_end = evaluate_point(face_.surface, {end, from[1]}).z();
-    cut.pieces = monotone_pieces(cut.curve, {from[0], end}, z_begin, z_end);
+    cut.pieces = monotone_pieces(*curve, {from[0], end}, z_begin, z_end);
     // It ends on the face's border, whose stored height may differ in the last bits: reach over it.
     MonotonePiece& last = cut.pieces.back();
     last.z1 += last.rises() ? kOverreach : -kOverreach;
@@ -232,8 +233,9 @@ EdgePieces::EdgePieces(const Scene& scene, SolidId solid) {
           const double z_start = scene.vertices[edge.start].point.z();
           const double z_end = scene.vertices[edge.end].point.z();
           for (const MonotonePiece& piece : monotone_pieces(edge.curve, edge.range, z_start, z_end)) {
-            pieces_.push_back({id, piece});
+            pieces_.push_back({id, static_cast<std::uint32_t>(curves_.size()), piece});
           }
+          curves_.emplace_back(edge.curve);
           ranges_[id] = {first, static_cast<std::uint32_t>(pieces_.size())};
         }
       }

@@ -15,6 +15,7 @@ namespace lamella::span {
 /// A z-monotone piece of a shared edge: where it crosses a layer, the section has a node that both faces read.
 struct EdgePiece {
   EdgeId edge;
+  std::uint32_t curve = 0;  ///< for EdgePieces::curve_of
   MonotonePiece range;
 };
 
@@ -24,11 +25,13 @@ class EdgePieces {
   EdgePieces(const Scene& scene, SolidId solid);
 
   [[nodiscard]] const std::vector<EdgePiece>& all() const { return pieces_; }
+  [[nodiscard]] const SectionCurve<3>& curve_of(const EdgePiece& piece) const { return curves_[piece.curve]; }
   /// Index range [first, last) of one edge's pieces; empty for degenerate edges.
   [[nodiscard]] std::pair<std::uint32_t, std::uint32_t> of(EdgeId edge) const;
 
  private:
   std::vector<EdgePiece> pieces_;
+  std::vector<SectionCurve<3>> curves_;
   std::map<EdgeId, std::pair<std::uint32_t, std::uint32_t>> ranges_;
 };
 
@@ -37,6 +40,7 @@ class EdgePieces {
 struct PieceUse {
   std::uint32_t piece = 0;  ///< in EdgePieces
   HalfEdgeId half_edge;
+  std::uint32_t pcurve = 0;    ///< in FaceModel::pcurves
   Vec2 offset = Vec2::Zero();  ///< whole periods that bring the pcurve into the face's chart
   bool ends_arc = false;
   std::uint32_t loop = 0;
@@ -45,7 +49,7 @@ struct PieceUse {
 /// A line v = const from a point that sections may run round to the end of the face: with one from every extremum of
 /// height and every hole, each loop of a section that touches no edge crosses a cut.
 struct CutLine {
-  Curve3 curve;  ///< parametrised by u
+  SectionCurve<3> curve;  ///< parametrised by u
   double v = 0.0;
   std::vector<MonotonePiece> pieces;
 };
@@ -64,6 +68,7 @@ struct FaceModel {
   double tolerance = 0.0;
   double size = 0.0;           ///< mm, diagonal of its vertices and pieces, a scale for steps
   std::vector<PieceUse> uses;  ///< loop by loop in their order
+  std::vector<SectionCurve<2>> pcurves;
   std::vector<double> events;  ///< ascending heights between which the topology of the section doesn't change
   std::vector<CutLine> cuts;
   std::optional<TrimRegion> region;  ///< only where a section may touch no edge

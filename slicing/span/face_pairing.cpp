@@ -1,9 +1,11 @@
 // What FaceSection does when it enters a band: which node is joined to which by the section, and the loops that touch
-// no edge. Both are the same all over the band, so they are found in its middle, where nodes lie well apart.
+// no edge. Both are the same all over the band, so they are found where nodes lie well apart: on the layer itself if it
+// isn't near the band's ends, else in the middle.
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <tuple>
 
 #include "model/evaluate.h"
@@ -13,9 +15,7 @@ namespace lamella::span {
 
 void FaceSection::enter_band(std::size_t band, double layer_z, NodeTable& nodes, SectionCounters& counters) {
   band_ = band;
-  const double middle = 0.5 * (face_->events[band] + face_->events[band + 1]);
-  // Between neighbouring doubles the middle may round to the upper one, which the band doesn't hold.
-  const double z = middle < face_->events[band + 1] ? middle : face_->events[band];
+  const double z = pairing_height(band, layer_z);
   if (face_->kind != SectionKind::traced) families_.clear();
   starts_.clear();
   ends_.clear();
@@ -34,10 +34,21 @@ void FaceSection::enter_band(std::size_t band, double layer_z, NodeTable& nodes,
     case SectionKind::traced:
       is_paired_.assign(face_->uses.size(), 0);
       carry_families(layer_z, nodes, counters);
-      pair_traced(z, nodes);
+      pair_traced(z, z == inner_height(layer_z), nodes);
       break;
   }
   counters.families += families_.size();
+}
+
+double FaceSection::pairing_height(std::size_t band, double layer_z) const {
+  const double low = face_->events[band];
+  const double high = face_->events[band + 1];
+  // Well inside the band the layer's own height does as well, and what is traced there is the layer's section.
+  constexpr double kMargin = 0.1;
+  if (layer_z > low + kMargin * (high - low) && layer_z < high - kMargin * (high - low)) return inner_height(layer_z);
+  const double middle = 0.5 * (low + high);
+  // Between neighbouring doubles the middle may round to the upper one, which the band doesn't hold.
+  return middle < high ? middle : low;
 }
 
 void FaceSection::pair_plane(double z, const NodeTable& nodes) {
@@ -211,7 +222,7 @@ bool FaceSection::passes_near(const std::vector<ArcPiece>& pieces, const Vec2& x
   return false;
 }
 
-void FaceSection::pair_traced(double z, const NodeTable& nodes) {
+void FaceSection::pair_traced(double z, bool is_layer, const NodeTable& nodes) {
   points_.resize(face_->uses.size());
   for (const auto* uses : {&starts_, &ends_}) {
     for (const std::uint32_t use : *uses) {
@@ -220,7 +231,7 @@ void FaceSection::pair_traced(double z, const NodeTable& nodes) {
     }
   }
   pair_neighbors();
-  trace_starts();
+  trace_starts(z, is_layer);
   pair_rest();
 }
 
@@ -251,7 +262,7 @@ void FaceSection::pair_neighbors() {
   }
 }
 
-void FaceSection::trace_starts() {
+void FaceSection::trace_starts(double z, bool is_layer) {
   for (const std::uint32_t start : starts_) {
     if (is_paired_[start] != 0 || !points_[start].usable) continue;
     std::vector<SectionPoint> targets;
@@ -265,6 +276,10 @@ void FaceSection::trace_starts() {
     }
     if (!trace(face_->surface, face_->sign, points_[start].point, targets, limits_, traced_, twin)) continue;
     join(start, ids[traced_.target]);
+    if (!is_layer) continue;
+    CarriedArc& carried = families_.back().carried;
+    std::swap(carried.arc, traced_);
+    carried.start(z);
   }
 }
 
@@ -289,10 +304,14 @@ void FaceSection::find_roots(double z) {
     const CutLine& line = face_->cuts[cut];
     for (std::uint32_t piece = 0; piece < line.pieces.size(); ++piece) {
       if (!line.pieces[piece].crosses(z)) continue;
-      const double u = find_crossing(line.curve, line.pieces[piece], z, std::nan(""));
-      roots_.push_back({cut, piece, u, evaluate<3>(line.curve, u).point.head<2>(), false});
+      const Crossing crossing = find_crossing(line.curve, line.pieces[piece], z, std::nan(""));
+      roots_.push_back({cut, piece, crossing.t, crossing.at.point.head<2>(), false});
     }
   }
+  roots_by_x_.resize(roots_.size());
+  std::iota(roots_by_x_.begin(), roots_by_x_.end(), 0U);
+  std::sort(roots_by_x_.begin(), roots_by_x_.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return roots_[a].xy.x() < roots_[b].xy.x(); });
 }
 
 void FaceSection::visit_roots(const Family& family, double z) {
@@ -300,7 +319,14 @@ void FaceSection::visit_roots(const Family& family, double z) {
   for (const ArcPiece& piece : pieces_) {
     const Vec2 from = piece.at(0.0);
     const Vec2 chord = piece.at(1.0) - from;
-    for (CutRoot& root : roots_) {
+    // An arc that turns by less than 0.7 stays within a fifth of its chord from it.
+    const double reach = 0.2 * chord.norm() + limits_.landing;
+    const auto lies_before = [&](std::uint32_t root, double x) { return roots_[root].xy.x() < x; };
+    auto next = std::lower_bound(roots_by_x_.begin(), roots_by_x_.end(), from.x() + std::min(chord.x(), 0.0) - reach,
+                                 lies_before);
+    const double last = from.x() + std::max(chord.x(), 0.0) + reach;
+    for (; next != roots_by_x_.end() && roots_[*next].xy.x() <= last; ++next) {
+      CutRoot& root = roots_[*next];
       if (!root.visited) root.visited = passes_through(piece, from, chord, root.xy, limits_.landing);
     }
   }
@@ -320,7 +346,7 @@ bool FaceSection::passes_through(const ArcPiece& piece, const Vec2& from, const 
   return (xy - piece.at(t)).squaredNorm() <= slack * slack;
 }
 
-void FaceSection::find_loops(double z) {
+void FaceSection::find_loops(double z, Section& out) {
   find_roots(z);
   if (roots_.empty()) return;
   for (const Family& family : families_) {
@@ -330,17 +356,21 @@ void FaceSection::find_loops(double z) {
     if (roots_[i].visited) continue;
     const CutLine& line = face_->cuts[roots_[i].cut];
     const Vec2 slack = 1e-9 * face_->region->bounds().sizes();
-    if (face_->region->classify(Vec2(roots_[i].u, line.v), slack) == TrimRegion::Side::outside) continue;
+    const TrimRegion::Side side = face_->region->classify(Vec2(roots_[i].u, line.v), slack);
+    if (side == TrimRegion::Side::outside) continue;
     Family family;
     family.cut = static_cast<std::int32_t>(roots_[i].cut);
     family.cut_piece = roots_[i].piece;
     const FacePoint seed = cut_point(family, z);
-    if (!seed.usable) continue;
     roots_[i].visited = true;
-    // What runs into an end node is an arc that has been found already.
     end_points_.front() = seed.point;
-    const bool landed = trace(face_->surface, face_->sign, seed.point, end_points_, limits_, family.carried.arc);
-    if (!landed || family.carried.arc.target != 0) continue;
+    if (!seed.usable || !trace(face_->surface, face_->sign, seed.point, end_points_, limits_, family.carried.arc)) {
+      // On the border it is more likely that a node was missed by its tolerance than that there is a loop.
+      if (side == TrimRegion::Side::inside) out.lost_loops.push_back(face_->id);
+      continue;
+    }
+    // What runs into an end node is an arc that has been found already.
+    if (family.carried.arc.target != 0) continue;
     family.carried.start(z);
     visit_roots(family, z);
     families_.push_back(std::move(family));

@@ -13,6 +13,21 @@ namespace {
 /// A layer this near to a change of topology is cut this far inside its band: there the section may be singular.
 constexpr double kEventMargin = 1e-8;  // mm
 
+/// Of a unit normal: where its horizontal part is shorter, it says nothing of the section's direction.
+constexpr double kFlat = 1e-6;
+
+/// The point of the section near `uv`, as the cell sees it that the section enters there.
+std::optional<SectionPoint> starting_point(const SectionSurface& surface, const Vec2& uv, double z, double sign,
+                                           const CorrectLimits& limits) {
+  const Cell cell = surface.find_cell(uv, Vec2::Zero());
+  const auto point = correct(surface, cell, uv, z, sign, -1, limits);
+  if (!point) return point;
+  const Cell ahead = surface.find_cell(point->uv, point->uv_slope);
+  if (ahead == cell) return point;
+  const auto again = correct(surface, ahead, point->uv, z, sign, -1, limits);
+  return again ? again : point;
+}
+
 }  // namespace
 
 SectionCounters& SectionCounters::operator+=(const SectionCounters& other) {
@@ -20,15 +35,14 @@ SectionCounters& SectionCounters::operator+=(const SectionCounters& other) {
   families += other.families;
   carried_families += other.carried_families;
   sheets += other.sheets;
-  lost_loops += other.lost_loops;
   traced += other.traced;
   doubtful_arcs += other.doubtful_arcs;
   return *this;
 }
 
-NodeTable::NodeTable(const Scene& scene, const EdgePieces& edges)
-    : scene_(&scene), edges_(&edges), nodes_(edges.all().size()), stamp_(edges.all().size(), 0) {
-  for (std::size_t i = 0; i < nodes_.size(); ++i) nodes_[i].t = std::nan("");
+NodeTable::NodeTable(const EdgePieces& edges)
+    : edges_(&edges), nodes_(edges.all().size()), stamp_(edges.all().size(), 0) {
+  for (Node& node : nodes_) node.t = std::nan("");
 }
 
 void NodeTable::start_layer(double z) {
@@ -38,23 +52,20 @@ void NodeTable::start_layer(double z) {
 
 const Node& NodeTable::node(std::uint32_t piece) {
   if (stamp_[piece] != layer_) {
-    const EdgePiece& edge_piece = edges_->all()[piece];
-    const Curve3& curve = scene_->edges[edge_piece.edge].curve;
-    Node& node = nodes_[piece];
-    node.t = find_crossing(curve, edge_piece.range, z_, node.t);
-    node.xy = evaluate<3>(curve, node.t).point.head<2>();
+    nodes_[piece] = cross(piece, z_);
     stamp_[piece] = layer_;
   }
   return nodes_[piece];
 }
 
-Node NodeTable::node_at(std::uint32_t piece, double z) const {
+Node NodeTable::node_at(std::uint32_t piece, double z) const { return cross(piece, z); }
+
+Node NodeTable::cross(std::uint32_t piece, double z) const {
   const EdgePiece& edge_piece = edges_->all()[piece];
-  const Curve3& curve = scene_->edges[edge_piece.edge].curve;
-  Node node;
-  node.t = find_crossing(curve, edge_piece.range, z, std::nan(""));
-  node.xy = evaluate<3>(curve, node.t).point.head<2>();
-  return node;
+  const Node& known = nodes_[piece];
+  const Crossing crossing =
+      find_crossing(edges_->curve_of(edge_piece), edge_piece.range, z, known.t + (z - known.z) * known.rate);
+  return {crossing.t, crossing.at.point.head<2>(), z, 1.0 / crossing.at.dt.z()};
 }
 
 FaceSection::FaceSection(const Scene& scene, const FaceModel& face, const EdgePieces& edges, const TraceLimits& limits,
@@ -101,10 +112,12 @@ void FaceSection::cut_plane(double z, NodeTable& nodes, Section& out) const {
     const double off = normal.dot(Vec3(xy.x(), xy.y(), z) - plane.frame.origin);
     return xy - normal.head<2>() * (off / flat);
   };
+  const Vec2 horizontal = flat < kFlat * kFlat ? Vec2(Vec2::Zero()) : Vec2(face_->sign * normal.head<2>());
   for (const Family& family : families_) {
     const Vec2 begin = nodes.node(face_->uses[family.begin].piece).xy;
     const Vec2 end = nodes.node(face_->uses[family.end].piece).xy;
     append_chord(begin, end, onto(begin), onto(end), false, out);
+    out.arcs.back().begin_normal = out.arcs.back().end_normal = horizontal;
   }
 }
 
@@ -130,7 +143,31 @@ void FaceSection::cut_round(double z, NodeTable& nodes, Section& out) {
       section_arc.piece_count = static_cast<std::uint32_t>(out.pieces.size()) - section_arc.first_piece;
     }
     out.arcs.push_back(section_arc);
+    if (!is_loop) note_normals(family, out.arcs.size() - 1, z, nodes, out);
   }
+}
+
+void FaceSection::note_normals(const Family& family, std::size_t first, double z, NodeTable& nodes,
+                               Section& out) const {
+  // What was cut within the band, not on the layer, may turn on the little way to its nodes.
+  if (inner_height(z) != z) return;
+  const auto is_followed = [](const SectionArc& arc) { return !arc.straight; };
+  const auto begin = std::find_if(out.arcs.begin() + static_cast<std::ptrdiff_t>(first), out.arcs.end(), is_followed);
+  if (begin == out.arcs.end()) return;
+  const auto end = std::find_if(out.arcs.rbegin(), out.arcs.rend(), is_followed);
+  begin->begin_normal = node_normal(family.begin, nodes);
+  end->end_normal = node_normal(family.end, nodes);
+}
+
+Vec2 FaceSection::node_normal(std::uint32_t use, NodeTable& nodes) const {
+  const PieceUse& piece_use = face_->uses[use];
+  const Vec2 uv = chart_point(piece_use, nodes.node(piece_use.piece));
+  const SectionSurface& surface = face_->surface;
+  const Cell cell = surface.find_cell(uv, Vec2::Zero());
+  if (surface.is_near_limit(cell, uv)) return Vec2::Zero();
+  const Vec3 normal = face_->sign * surface.evaluate_slopes(uv, cell).normal();
+  const double length = normal.norm();
+  return normal.head<2>().norm() > kFlat * length ? Vec2(normal.head<2>() / length) : Vec2(Vec2::Zero());
 }
 
 double FaceSection::chart_angle(const PieceUse& use, const Node& node, const PlaneEllipse& ellipse) const {
@@ -170,7 +207,7 @@ Vec2 FaceSection::chart_point(const PieceUse& use, const Node& node) const {
   const HalfEdge& half = scene_->half_edges[use.half_edge];
   const Edge& edge = scene_->edges[half.edge];
   const double part = (node.t - edge.range.lo) / edge.range.length();
-  return evaluate<2>(half.pcurve, half.prange.lo + part * half.prange.length()).point + use.offset;
+  return face_->pcurves[use.pcurve].evaluate(half.prange.lo + part * half.prange.length()).point + use.offset;
 }
 
 FaceSection::FacePoint FaceSection::face_point(const PieceUse& use, const Node& node, double z) const {
@@ -183,13 +220,7 @@ FaceSection::FacePoint FaceSection::face_point(const PieceUse& use, const Node& 
   result.chart = uv;
   result.piece = use.piece;
   const CorrectLimits limits{std::max(20.0 * result.tolerance, 1e-3 * face_->size)};
-  Cell cell = face_->surface.find_cell(uv, Vec2::Zero());
-  auto point = correct(face_->surface, cell, uv, z, face_->sign, -1, limits);
-  if (point) {
-    const Cell ahead = face_->surface.find_cell(point->uv, point->uv_slope);
-    if (!(ahead == cell)) {
-      if (const auto again = correct(face_->surface, ahead, point->uv, z, face_->sign, -1, limits)) point = again;
-    }
+  if (const auto point = starting_point(face_->surface, uv, z, face_->sign, limits)) {
     result.point = *point;
     result.point.z = z;
     result.usable = true;
@@ -203,12 +234,11 @@ FaceSection::FacePoint FaceSection::face_point(const PieceUse& use, const Node& 
 
 FaceSection::FacePoint FaceSection::cut_point(const Family& family, double z) const {
   const CutLine& cut = face_->cuts[static_cast<std::size_t>(family.cut)];
-  const double u = find_crossing(cut.curve, cut.pieces[family.cut_piece], z, std::nan(""));
+  const double u = find_crossing(cut.curve, cut.pieces[family.cut_piece], z, std::nan("")).t;
   FacePoint result;
   result.chart = Vec2(u, cut.v);
-  const Cell cell = face_->surface.find_cell(result.chart, Vec2::Zero());
   const CorrectLimits limits{1e-3 * face_->size};
-  const auto point = correct(face_->surface, cell, result.chart, z, face_->sign, -1, limits);
+  const auto point = starting_point(face_->surface, result.chart, z, face_->sign, limits);
   result.usable = point.has_value();
   if (point) result.point = *point;
   result.point.z = z;
@@ -309,7 +339,11 @@ void FaceSection::cut_traced(double z, NodeTable& nodes, Section& out, SectionCo
   const double inner = inner_height(z);
   end_points_.resize(1);  // the first place is for the seed of a loop
   for (Family& family : families_) {
-    if (cut_by_sheet(family, inner, nodes, out)) continue;
+    const std::size_t first = out.arcs.size();
+    if (cut_by_sheet(family, inner, nodes, out)) {
+      if (family.cut < 0) note_normals(family, first, z, nodes, out);
+      continue;
+    }
     if (family.cut >= 0) {
       cut_loop(family, inner, out, counters);
       try_sheet(family, inner, nodes, counters);
@@ -318,12 +352,13 @@ void FaceSection::cut_traced(double z, NodeTable& nodes, Section& out, SectionCo
     const FacePoint begin = layer_point(family.begin, z, inner, nodes);
     const FacePoint end = layer_point(family.end, z, inner, nodes);
     cut_arc(family, begin, end, out, counters);
+    note_normals(family, first, z, nodes, out);
     if (entered_ && end.usable) end_points_.push_back(end.point);
     try_sheet(family, inner, nodes, counters);
   }
   if (entered_ && !face_->cuts.empty()) {
     const std::size_t known = families_.size();
-    find_loops(inner);
+    find_loops(inner, out);
     for (std::size_t i = known; i < families_.size(); ++i) cut_loop(families_[i], inner, out, counters);
   }
 }
@@ -393,7 +428,7 @@ void FaceSection::bridge(const FacePoint& begin, const FacePoint& end, Section& 
   const bool doubtful = is_round || !(height_off(a, b) <= std::max(begin.tolerance, end.tolerance));
   if (doubtful) ++counters.doubtful_arcs;
   // The chord between twins has no length and meets no row: what is missing must be counted here.
-  if (is_round) ++counters.lost_loops;
+  if (is_round) out.lost_loops.push_back(face_->id);
   append_chord(first, second, a.xy, b.xy, doubtful, out);
   if (to == 0) return;
   traced_.pieces.clear();
@@ -424,7 +459,7 @@ void FaceSection::cut_loop(Family& family, double z, Section& out, SectionCounte
   } else {
     carried.arc.clear();
     // Nothing stands in for a loop that can't be traced.
-    ++counters.lost_loops;
+    out.lost_loops.push_back(face_->id);
   }
 }
 

@@ -17,12 +17,14 @@ namespace lamella::span {
 struct Node {
   double t = 0.0;  ///< parameter of the edge's curve
   Vec2 xy = Vec2::Zero();
+  double z = 0.0;
+  double rate = 0.0;  ///< dt / dz
 };
 
 /// The nodes of one layer, each computed once and read by both faces of its edge.
 class NodeTable {
  public:
-  NodeTable(const Scene& scene, const EdgePieces& edges);
+  explicit NodeTable(const EdgePieces& edges);
 
   /// Forgets the nodes of the last layer; their parameters stay as first guesses.
   void start_layer(double z);
@@ -31,7 +33,8 @@ class NodeTable {
   [[nodiscard]] Node node_at(std::uint32_t piece, double z) const;
 
  private:
-  const Scene* scene_;
+  [[nodiscard]] Node cross(std::uint32_t piece, double z) const;
+
   const EdgePieces* edges_;
   double z_ = 0.0;
   std::uint32_t layer_ = 0;
@@ -78,17 +81,19 @@ class FaceSection {
   void enter_band(std::size_t band, double z, NodeTable& nodes, SectionCounters& counters);
   void pair_plane(double z, const NodeTable& nodes);
   void pair_round(double z, const NodeTable& nodes);
-  void pair_traced(double z, const NodeTable& nodes);
+  /// Pairs at height z; if that is the layer's own height the arcs are kept as they were traced.
+  void pair_traced(double z, bool is_layer, const NodeTable& nodes);
+  [[nodiscard]] double pairing_height(std::size_t band, double layer_z) const;
   void join(std::uint32_t begin, std::uint32_t end);
   void pair_neighbors();
-  void trace_starts();
+  void trace_starts(double z, bool is_layer);
   void pair_rest();
   void find_roots(double z);
   void visit_roots(const Family& family, double z);
   /// Whether a point of the layer lies on an arc's piece, given by its first point and chord as well.
   [[nodiscard]] static bool passes_through(const ArcPiece& piece, const Vec2& from, const Vec2& chord, const Vec2& xy,
                                            double slack);
-  void find_loops(double z);
+  void find_loops(double z, Section& out);
 
   void cut_plane(double z, NodeTable& nodes, Section& out) const;
   void cut_round(double z, NodeTable& nodes, Section& out);
@@ -107,6 +112,12 @@ class FaceSection {
   /// Distance of the face from the middle of the chord between two of its points, mm.
   [[nodiscard]] double height_off(const SectionPoint& a, const SectionPoint& b) const;
   void cut_loop(Family& family, double z, Section& out, SectionCounters& counters);
+
+  /// Notes on the arcs from number `first` on, those of one family on the layer z, what the face says in their nodes.
+  void note_normals(const Family& family, std::size_t first, double z, NodeTable& nodes, Section& out) const;
+  /// Horizontal part of the outward unit normal where a node lies by its pcurve; zero on a crease and where it is
+  /// small.
+  [[nodiscard]] Vec2 node_normal(std::uint32_t use, NodeTable& nodes) const;
 
   [[nodiscard]] double inner_height(double z) const;
   /// (u, v) of a node in the face's chart, by the pcurve.
@@ -153,6 +164,7 @@ class FaceSection {
   std::vector<FacePoint> points_;  ///< one a use
   std::vector<std::uint8_t> is_paired_;
   std::vector<CutRoot> roots_;
+  std::vector<std::uint32_t> roots_by_x_;
   std::vector<ArcPiece> pieces_;          ///< of the family being looked at
   std::vector<SectionPoint> end_points_;  ///< of the arcs on this layer, behind a place for a loop's seed
 };

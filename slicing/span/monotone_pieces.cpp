@@ -59,31 +59,40 @@ std::vector<MonotonePiece> monotone_pieces(const Curve3& curve, Interval range, 
   return pieces;
 }
 
-double find_crossing(const Curve3& curve, const MonotonePiece& piece, double z, double guess) {
-  if (const auto* line = std::get_if<Line<3>>(&curve)) {
+Crossing find_crossing(const SectionCurve<3>& curve, const MonotonePiece& piece, double z, double guess) {
+  if (const Line<3>* line = curve.line()) {
     const double slope = line->direction.z();
-    const double t = slope == 0.0 ? piece.t0 : (z - line->origin.z()) / slope;
-    return std::clamp(t, piece.t0, piece.t1);
+    const double t = std::clamp(slope == 0.0 ? piece.t0 : (z - line->origin.z()) / slope, piece.t0, piece.t1);
+    return {t, {line->origin + t * line->direction, line->direction}};
   }
   const double sign = piece.rises() ? 1.0 : -1.0;
   double lo = piece.t0;
   double hi = piece.t1;
+  const double smallest = 4e-16 * std::max(std::abs(lo), std::abs(hi));
   double t = guess > lo && guess < hi ? guess : lo + (hi - lo) * (z - piece.z0) / (piece.z1 - piece.z0);
+  double last_step = 0.0;
   // Newton's iteration, kept in a shrinking bracket: the curve's own heights rise (times sign) from lo to hi.
   for (int i = 0; i < 100; ++i) {
-    const CurvePoint<3> at = evaluate<3>(curve, t);
+    const CurvePoint2<3> at = curve.evaluate(t);
     const double excess = sign * (at.point.z() - z);
     // Rounding of the curve's own coordinates: a few ulp.
-    if (std::abs(excess) <= 4e-16 * (1.0 + std::abs(z))) return t;
+    if (std::abs(excess) <= 4e-16 * (1.0 + std::abs(z))) return {t, {at.point, at.dt}};
     (excess < 0.0 ? lo : hi) = t;
     double next = t - sign * excess / at.dt.z();
-    if (!(next > lo && next < hi)) next = 0.5 * (lo + hi);
-    const double step = std::abs(next - t);
+    const bool is_newton = next > lo && next < hi;
+    if (!is_newton) next = 0.5 * (lo + hi);
+    const double step = next - t;
     t = next;
-    if (step <= 4e-16 * std::max(std::abs(lo), std::abs(hi))) break;
-    if (!(hi - lo > 1e-15 * std::max(std::abs(lo), std::abs(hi)))) break;
+    // What is left after a step of Newton's shrinks with its square: the last two foretell the next one.
+    const double ratio = step / last_step;
+    last_step = step;
+    const bool is_last = is_newton && std::abs(step) * ratio * ratio <= smallest;
+    if (is_last || std::abs(step) <= smallest || !(hi - lo > smallest)) {
+      return {t, {at.point + step * (at.dt + 0.5 * step * at.dtt), at.dt + step * at.dtt}};
+    }
   }
-  return t;
+  const CurvePoint2<3> at = curve.evaluate(t);
+  return {t, {at.point, at.dt}};
 }
 
 }  // namespace lamella::span

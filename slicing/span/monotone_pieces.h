@@ -4,6 +4,7 @@
 
 #include "core/geometry.h"
 #include "model/curve.h"
+#include "slicing/span/bezier_nets.h"
 
 namespace lamella::span {
 
@@ -25,8 +26,14 @@ struct MonotonePiece {
 [[nodiscard]] std::vector<MonotonePiece> monotone_pieces(const Curve3& curve, Interval range, double z_begin,
                                                          double z_end);
 
-/// Parameter at which the curve reaches height z on a piece that crosses it; `guess` is where to begin, anything when
+/// Where a curve crosses a height.
+struct Crossing {
+  double t = 0.0;
+  CurvePoint<3> at;
+};
+
+/// Where the curve reaches height z on a piece that crosses it; `guess` is the parameter to begin with, anything when
 /// unknown. Where the stored heights leave the curve's own, the nearer end of the piece.
-[[nodiscard]] double find_crossing(const Curve3& curve, const MonotonePiece& piece, double z, double guess);
+[[nodiscard]] Crossing find_crossing(const SectionCurve<3>& curve, const MonotonePiece& piece, double z, double guess);
 
 }  // namespace lamella::span

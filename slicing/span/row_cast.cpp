@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "model/bernstein_roots.h"
+#include "slicing/span/arc_balance.h"
 
 namespace lamella::span {
 
@@ -85,12 +86,13 @@ RowCast::RowCast(const Scene& scene)
   for (const Solid& solid : scene.solids) tolerance_.push_back(std::max(kLeastTolerance, solid.info.max_tolerance));
 }
 
-void RowCast::cast(const Section& section, const RowLattice& lattice, SpanRows& out, CastCounters& counters) {
+void RowCast::cast(const Section& section, const RowLattice& lattice, std::size_t number, LayerSpans& out) {
   lay_rows(lattice);
   turn_pieces(section, lattice);
   collect(section, lattice);
-  fill(section, counters);
-  emit(section, out, counters);
+  check_balance(section, lattice);
+  fill(section, out);
+  emit(section, out.lattices[number], out);
 }
 
 void RowCast::lay_rows(const RowLattice& lattice) {
@@ -249,7 +251,15 @@ std::size_t RowCast::solve(const Stretch& stretch, bool straight, double* xs) co
   return kernel.solve({piece.x.data(), piece.y.data(), stretch.t_begin, stretch.t_end}, rows, count, kRowResidual, xs);
 }
 
-void RowCast::fill(const Section& section, CastCounters& counters) {
+void RowCast::check_balance(const Section& section, const RowLattice& lattice) {
+  is_unbalanced_.assign(section.arcs.size(), 0);
+  for (std::size_t i = 0; i < section.arcs.size(); ++i) {
+    const double tolerance = tolerance_[solid_of_arc_[i].value()];
+    if (!keeps_balance(section.arcs[i], section, lattice, tolerance)) is_unbalanced_[i] = 1;
+  }
+}
+
+void RowCast::fill(const Section& section, LayerSpans& out) {
   const std::uint32_t total = row_begin_[rows_.size()];
   hits_.resize(total);
   cursor_.assign(row_begin_.begin(), row_begin_.end());
@@ -258,36 +268,43 @@ void RowCast::fill(const Section& section, CastCounters& counters) {
     if (xs_.size() < count) xs_.resize(count);
     const SectionArc& arc = section.arcs[stretch.arc];
     const std::size_t failed = solve(stretch, arc.straight, xs_.data());
-    counters.uncertain_hits += arc.doubtful ? count : failed;
+    const bool is_doubtful = arc.doubtful || is_unbalanced_[stretch.arc] != 0;
+    if (is_doubtful || failed > 0) {
+      const Check check = arc.doubtful ? Check::arcs : (is_doubtful ? Check::balance : Check::depth);
+      const std::size_t doubts = is_doubtful ? count : failed;
+      out.cast.uncertain_hits += doubts;
+      note_failed(out.failed, {check, solid_of_arc_[stretch.arc], arc.face, doubts});
+    }
     const std::uint32_t tag = 2 * stretch.arc + (stretch.rises ? 1 : 0);
     for (std::size_t i = 0; i < count; ++i) hits_[cursor_[stretch.first_row + i]++] = {xs_[i], tag};
   }
-  counters.hits += total;
+  out.cast.hits += total;
 }
 
-void RowCast::emit(const Section& section, SpanRows& out, CastCounters& counters) {
-  out.row_start.clear();
-  out.spans.clear();
-  out.row_start.reserve(rows_.size() + 1);
-  out.spans.reserve(hits_.size() / 2);
-  out.row_start.push_back(0);
+void RowCast::emit(const Section& section, SpanRows& rows, LayerSpans& out) {
+  rows.row_start.clear();
+  rows.spans.clear();
+  rows.row_start.reserve(rows_.size() + 1);
+  rows.spans.reserve(hits_.size() / 2);
+  rows.row_start.push_back(0);
   for (std::size_t r = 0; r < rows_.size(); ++r) {
-    emit_row(section, hits_.data() + row_begin_[r], hits_.data() + row_begin_[r + 1], out, counters);
-    out.row_start.push_back(out.spans.size());
+    emit_row(section, hits_.data() + row_begin_[r], hits_.data() + row_begin_[r + 1], rows, out);
+    rows.row_start.push_back(rows.spans.size());
   }
 }
 
-void RowCast::note_winding(SolidId solid, std::int32_t before, double x, CastCounters& counters) {
+void RowCast::note_winding(SolidId solid, FaceId face, std::int32_t before, double x, LayerSpans& out) {
   const std::int32_t now = winding_[solid.value()];
   const auto is_off = [](std::int32_t winding) { return winding < 0 || winding > 1; };
   if (!is_off(before) && is_off(now)) {
     off_since_[solid.value()] = x;
   } else if (is_off(before) && !is_off(now) && x - off_since_[solid.value()] > tolerance_[solid.value()]) {
-    ++counters.repaired_rays;
+    ++out.cast.repaired_rays;
+    note_failed(out.failed, {Check::winding, solid, face, 1, x - off_since_[solid.value()]});
   }
 }
 
-void RowCast::emit_row(const Section& section, RowHit* first, RowHit* last, SpanRows& out, CastCounters& counters) {
+void RowCast::emit_row(const Section& section, RowHit* first, RowHit* last, SpanRows& rows, LayerSpans& out) {
   const auto before = [](const RowHit& a, const RowHit& b) { return a.x != b.x ? a.x < b.x : a.tag < b.tag; };
   for (RowHit* i = first + 1; i < last; ++i) {
     const RowHit hit = *i;
@@ -295,7 +312,7 @@ void RowCast::emit_row(const Section& section, RowHit* first, RowHit* last, Span
     for (; j > first && before(hit, j[-1]); --j) *j = j[-1];
     *j = hit;
   }
-  const std::size_t row_first = out.spans.size();
+  const std::size_t row_first = rows.spans.size();
   for (const RowHit* hit = first; hit < last; ++hit) {
     const std::uint32_t arc = hit->tag >> 1;
     const SolidId solid = solid_of_arc_[arc];
@@ -303,29 +320,31 @@ void RowCast::emit_row(const Section& section, RowHit* first, RowHit* last, Span
     const bool is_exit = (hit->tag & 1) != 0;
     winding += is_exit ? -1 : 1;
     if (winding < 0 || winding > 1 || winding == (is_exit ? 1 : 0)) {
-      note_winding(solid, is_exit ? winding + 1 : winding - 1, hit->x, counters);
+      note_winding(solid, section.arcs[arc].face, is_exit ? winding + 1 : winding - 1, hit->x, out);
     }
     if (!is_exit) {
       if (winding != 1) continue;
-      open_span_[solid.value()] = out.spans.size();
-      out.spans.push_back({hit->x, hit->x, solid, section.arcs[arc].face, {}});
+      open_span_[solid.value()] = rows.spans.size();
+      rows.spans.push_back({hit->x, hit->x, solid, section.arcs[arc].face, {}});
     } else if (winding == 0) {
-      Span& span = out.spans[open_span_[solid.value()]];
+      Span& span = rows.spans[open_span_[solid.value()]];
       span.end = hit->x;
       span.face_out = section.arcs[arc].face;
     }
   }
   for (const RowHit* hit = first; hit < last; ++hit) {
-    std::int32_t& winding = winding_[solid_of_arc_[hit->tag >> 1].value()];
+    const SolidId solid = solid_of_arc_[hit->tag >> 1];
+    std::int32_t& winding = winding_[solid.value()];
     if (winding == 0) continue;
-    ++counters.unclosed_rays;
+    ++out.cast.unclosed_rays;
+    note_failed(out.failed, {Check::closure, solid, {}, 1});
     winding = 0;
   }
   const auto order = [](const Span& a, const Span& b) {
     return std::tie(a.begin, a.end, a.solid) < std::tie(b.begin, b.end, b.solid);
   };
-  const auto begin = out.spans.begin() + static_cast<std::ptrdiff_t>(row_first);
-  if (!std::is_sorted(begin, out.spans.end(), order)) std::sort(begin, out.spans.end(), order);
+  const auto begin = rows.spans.begin() + static_cast<std::ptrdiff_t>(row_first);
+  if (!std::is_sorted(begin, rows.spans.end(), order)) std::sort(begin, rows.spans.end(), order);
 }
 
 }  // namespace lamella::span

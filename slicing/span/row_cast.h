@@ -19,8 +19,9 @@ class RowCast {
  public:
   explicit RowCast(const Scene& scene);
 
-  /// `section` holds the arcs of all solids on the layer.
-  void cast(const Section& section, const RowLattice& lattice, SpanRows& out, CastCounters& counters);
+  /// `section` holds the arcs of all solids on the layer. Writes the spans of lattice number `number` of the layer, and
+  /// adds to its counters and failed checks.
+  void cast(const Section& section, const RowLattice& lattice, std::size_t number, LayerSpans& out);
 
  private:
   /// Rows [first_row, last_row), from 0, that a stretch covers.
@@ -48,10 +49,12 @@ class RowCast {
   void add_stretch(std::uint32_t arc, std::uint32_t piece, double y_begin, double y_end, double t_begin, double t_end);
   [[nodiscard]] std::uint32_t first_row_at(double y) const;
   std::size_t solve(const Stretch& stretch, bool straight, double* xs) const;
-  void fill(const Section& section, CastCounters& counters);
+  void note_winding(SolidId solid, FaceId face, std::int32_t before, double x, LayerSpans& out);
+  void check_balance(const Section& section, const RowLattice& lattice);
+  void fill(const Section& section, LayerSpans& out);
   void fill_straight(const Stretch& stretch, double* xs) const;
-  void emit(const Section& section, SpanRows& out, CastCounters& counters);
-  void emit_row(const Section& section, RowHit* first, RowHit* last, SpanRows& out, CastCounters& counters);
+  void emit(const Section& section, SpanRows& rows, LayerSpans& out);
+  void emit_row(const Section& section, RowHit* first, RowHit* last, SpanRows& rows, LayerSpans& out);
 
   const Scene* scene_;
   std::vector<double> rows_;  ///< y of each row
@@ -65,12 +68,11 @@ class RowCast {
   std::vector<RowHit> hits_;
   std::vector<double> xs_;
   std::vector<SolidId> solid_of_arc_;
-  void note_winding(SolidId solid, std::int32_t before, double x, CastCounters& counters);
-
-  std::vector<std::int32_t> winding_;     ///< per solid
-  std::vector<std::uint64_t> open_span_;  ///< per solid
-  std::vector<double> off_since_;         ///< per solid: where its winding left {0, 1}
-  std::vector<double> tolerance_;         ///< per solid, mm: how long it may be off
+  std::vector<std::uint8_t> is_unbalanced_;  ///< per arc
+  std::vector<std::int32_t> winding_;        ///< per solid
+  std::vector<std::uint64_t> open_span_;     ///< per solid
+  std::vector<double> off_since_;            ///< per solid: where its winding left {0, 1}
+  std::vector<double> tolerance_;            ///< per solid, mm: how long it may be off
 };
 
 }  // namespace lamella::span

@@ -20,6 +20,10 @@ struct SectionArc {
   bool straight = false;      ///< one piece of degree 1
   bool doubtful = false;      ///< could not be traced: a chord stands in
   std::int32_t ellipse = -1;  ///< index in Section::ellipses of an arc without pieces
+  /// The face's outward normal in the nodes, its horizontal part, found without the arc: z x n runs along it. Zero
+  /// where there is none to compare with.
+  Vec2 begin_normal = Vec2::Zero();
+  Vec2 end_normal = Vec2::Zero();
 };
 
 /// All arcs of one solid on one layer, in the order of its faces.
@@ -27,10 +31,12 @@ struct Section {
   std::vector<SectionArc> arcs;
   std::vector<ArcPiece> pieces;
   std::vector<EllipseArc> ellipses;
+  std::vector<FaceId> lost_loops;  ///< faces of loops known from a cut that could not be traced
 
   void clear() {
     arcs.clear();
     ellipses.clear();
+    lost_loops.clear();
     pieces.clear();
   }
 };
@@ -43,7 +49,6 @@ struct SectionCounters {
   std::uint64_t sheets = 0;            ///< runs of layers interpolated
   std::uint64_t traced = 0;            ///< arcs followed step by step
   std::uint64_t doubtful_arcs = 0;     ///< chords in place of arcs that could not be traced
-  std::uint64_t lost_loops = 0;        ///< loops known from a cut that could not be traced
 
   SectionCounters& operator+=(const SectionCounters& other);
 };

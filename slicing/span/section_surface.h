@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "core/geometry.h"
-#include "model/curve.h"
 #include "model/evaluate.h"
 #include "model/surface.h"
+#include "slicing/span/bezier_nets.h"
 
 namespace lamella::span {
 
@@ -17,33 +17,6 @@ struct Cell {
   int v = 0;
 
   bool operator==(const Cell&) const = default;
-};
-
-/// Rational Bezier nets of a surface or curve, evaluated with second derivatives.
-/// Poles are kept relative to an origin near the part, (w (x - o), w), so that parts far from the origin keep digits.
-class BezierNets {
- public:
-  BezierNets() = default;
-  explicit BezierNets(const BSplineSurface& surface);
-  explicit BezierNets(const BSplineCurve<3>& curve);
-
-  [[nodiscard]] const std::vector<double>& breaks_u() const { return breaks_u_; }
-  [[nodiscard]] const std::vector<double>& breaks_v() const { return breaks_v_; }
-  [[nodiscard]] SurfacePoint2 evaluate(const Vec2& uv, const Cell& cell) const;
-  [[nodiscard]] SurfacePoint evaluate_slopes(const Vec2& uv, const Cell& cell) const;
-  /// For nets of a curve.
-  [[nodiscard]] CurvePoint2<3> evaluate(double t, int cell) const;
-
- private:
-  [[nodiscard]] const Vec4* net_of(const Cell& cell) const;
-
-  int degree_u_ = 0;
-  int degree_v_ = 0;
-  bool rational_ = false;
-  std::vector<double> breaks_u_;
-  std::vector<double> breaks_v_;
-  std::vector<Vec4> poles_;  ///< net of cell (i, j) begins at (i * cells_v + j) * (degree_u + 1) * (degree_v + 1)
-  Vec3 origin_ = Vec3::Zero();
 };
 
 /// A face's surface as the tracer needs it: first and second derivatives, cell by cell. A cell's own limits are not
@@ -57,13 +30,15 @@ class SectionSurface {
   /// Without second derivatives, for less.
   [[nodiscard]] SurfacePoint evaluate_slopes(const Vec2& uv, const Cell& cell) const;
 
-  /// The cell that holds `uv`; on a break the one that a step along `heading` enters.
+  /// The cell that holds `uv`; on a break, or nearer to one than rounding, the one that a step along `heading` enters.
   [[nodiscard]] Cell find_cell(const Vec2& uv, const Vec2& heading) const;
 
   /// Limits of a cell along u (axis 0) or v (axis 1), infinite where the surface has none.
   [[nodiscard]] Interval limits(const Cell& cell, int axis) const;
   /// Whether `uv` lies in a cell, to rounding; along `free_axis` it may lie anywhere (-1: along none).
   [[nodiscard]] bool holds(const Cell& cell, const Vec2& uv, int free_axis) const;
+  /// Whether a point of a cell lies so near to one of its limits that it may as well be in the cell beyond.
+  [[nodiscard]] bool is_near_limit(const Cell& cell, const Vec2& uv) const;
   /// Whether there is another cell beyond the cell's upper (or lower) limit.
   [[nodiscard]] bool has_neighbor(const Cell& cell, int axis, bool upper) const;
 
@@ -80,16 +55,16 @@ class SectionSurface {
   [[nodiscard]] CurvePoint2<3> basis_point(double t, int piece) const;
   /// Bezier piece along one axis that serves a place in a cell.
   [[nodiscard]] int piece_of(int axis, double place, int cell) const;
-  void set_breaks(int axis, const std::vector<double>& pieces, const std::vector<double>& knots, int degree);
+  void set_breaks(int axis, const Breaks& pieces, const std::vector<double>& knots, int degree);
 
   enum class Kind { analytic, spline, extrusion, revolution };
 
   const Surface* surface_;
   Kind kind_ = Kind::analytic;
-  bool has_nets_ = false;  ///< of a spline surface, or of the basis or meridian that is a spline
-  BezierNets nets_;
-  std::array<std::vector<double>, 2> pieces_;    ///< limits of the Bezier pieces along u and v
-  std::array<std::vector<double>, 2> breaks_;    ///< limits of the cells; empty where there are none
+  SurfaceNets nets_;              ///< of a spline
+  CurveNets<3> basis_;            ///< of an extrusion's basis or a meridian that is a spline
+  std::array<Breaks, 2> pieces_;  ///< limits of the Bezier pieces along u and v; empty where there are none
+  std::array<std::vector<double>, 2> breaks_;    ///< limits of the cells
   std::array<std::vector<int>, 2> first_piece_;  ///< of each cell, and one more
   Vec2 periods_ = Vec2::Zero();
 };

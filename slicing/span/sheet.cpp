@@ -203,12 +203,27 @@ class Builder {
     for (NodeValues& values : uv_numbers_) values = monomials(values);
     const std::vector<Cell>& cells = carried_.arc.cells;
     for (std::size_t i = 0; i < cells.size(); ++i) {
+      if (!stays_in_cell(i)) return false;
       const bool crosses = surface_.crosses_knot(points_[i].uv, points_[i + 1].uv, cells[i]);
       for (std::size_t m = 0; m < (crosses ? kMeasured.size() : 1); ++m) {
         for (const double place : kProbes) {
           if (!(error_at(i, m, place) <= kAccepted * limits_.tolerance)) return false;
         }
       }
+    }
+    return true;
+  }
+
+  /// Whether a piece stays within its cell where the sheet is measured.
+  [[nodiscard]] bool stays_in_cell(std::size_t piece) const {
+    const Cell& cell = carried_.arc.cells[piece];
+    for (const double place : kProbes) {
+      ArcPiece uv;
+      for (int k = 0; k < 6; ++k) {
+        uv.x[k] = value_at(uv_numbers_[piece * kNumbers + k], place);
+        uv.y[k] = value_at(uv_numbers_[piece * kNumbers + 6 + k], place);
+      }
+      if (!span::stays_in_cell(surface_, cell, uv)) return false;
     }
     return true;
   }

@@ -81,7 +81,7 @@ struct SolidSpans {
 class SolidSlab {
  public:
   SolidSlab(const Scene& scene, const SolidSpans& solid, std::span<const double> heights, const TraceLimits& limits)
-      : solid_(&solid), nodes_(scene, solid.edges) {
+      : solid_(&solid), nodes_(solid.edges) {
     for (const double z : heights) heights_.push_back(solid.settled(z));
     const double from = heights_.front();
     const double to = heights_.back();
@@ -198,10 +198,13 @@ void SpanEngine::cut(std::span<const LayerRequest> slab, std::span<LayerSpans> o
     counters = {};
     for (SolidSlab& solid : solids) solid.cut(i, section, counters);
     // A loop that could not be traced is missing on every row that it crosses: a doubt like that of a hit.
-    out[i].cast.uncertain_hits += counters.lost_loops;
+    out[i].cast.uncertain_hits += section.lost_loops.size();
+    for (const FaceId face : section.lost_loops) {
+      note_failed(out[i].failed, {Check::loops, data_->scene->solid_of(face), face, 1});
+    }
     out[i].lattices.resize(slab[i].lattices.size());
     for (std::size_t k = 0; k < slab[i].lattices.size(); ++k) {
-      rows.cast(section, slab[i].lattices[k], out[i].lattices[k], out[i].cast);
+      rows.cast(section, slab[i].lattices[k], k, out[i]);
     }
   }
 }

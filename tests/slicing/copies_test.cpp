@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <map>
 
 #include "slicing/copied_engine.h"
 #include "slicing/slicer.h"
@@ -215,16 +216,18 @@ TEST(CopiedEngine, DependsOnTheOrderOfSolidsByNothingButIds) {
   }
 }
 
-TEST(CopiedEngine, CountsADoubtOfASectionForEveryCopyAndOneOfARowOnce) {
+TEST(CopiedEngine, CountsALostLoopForEveryCopyAndADoubtOfARowOnce) {
   const Tray tray = usual_tray();
-  // Doubts the section once a layer, and every lattice that has rows.
+  // Loses a loop of the section once a layer, and doubts every lattice that has rows.
   const EngineMaker make = [](std::span<const SolidId>) {
     SlabEngine engine;
     engine.cut = [](std::span<const LayerRequest> slab, std::span<LayerSpans> out) {
       for (std::size_t i = 0; i < slab.size(); ++i) {
         out[i].cast.uncertain_hits += 1;
+        out[i].failed.push_back({Check::loops, SolidId{0}, FaceId{}, 1});
         for (std::size_t k = 0; k < slab[i].lattices.size(); ++k) {
           out[i].cast.uncertain_hits += 10;
+          note_failed(out[i].failed, {Check::depth, SolidId{0}, FaceId{0}, 10});
           out[i].lattices[k].row_start.assign(slab[i].lattices[k].rows() + 1, 0);
         }
       }
@@ -233,7 +236,7 @@ TEST(CopiedEngine, CountsADoubtOfASectionForEveryCopyAndOneOfARowOnce) {
   };
   std::vector<SolidId> solids;
   for (const SolidId id : tray.all())
-    if (id < SolidId{12}) solids.push_back(id);
+    if (id < SolidId{12}) solids.push_back(id);  // the pairs
   const SlabEngine engine = make_copied_engine(tray.scene, solids, tray.copies(), make);
   std::vector<LayerRequest> requests(1);
   requests[0].z = 0.5;
@@ -244,8 +247,12 @@ TEST(CopiedEngine, CountsADoubtOfASectionForEveryCopyAndOneOfARowOnce) {
   std::vector<LayerSpans> spans;
   make_layer_spans(requests, spans);
   engine.cut(requests, spans);
-  // Three copies at this height: 3 times a section's doubt, 3 lattices.
+  // Three copies at this height: 3 times a section's loop, 3 lattices.
   EXPECT_EQ(spans[0].cast.uncertain_hits, 33u);
+  std::map<Check, std::uint64_t> failed;
+  for (const FailedCheck& check : spans[0].failed) failed[check.check] += check.count;
+  EXPECT_EQ(failed[Check::loops], 3u);
+  EXPECT_EQ(failed[Check::depth], 30u);
 }
 
 TEST(CopiedEngine, SaysWhatWasFoundOfEveryCopy) {

@@ -29,12 +29,12 @@ struct Hills {
   [[nodiscard]] double height(double x, double y) const { return evaluate_point(surface, {x, y}).z(); }
 };
 
-/// Where `creased`, some knots are full, and the hills have sharp ridges and valleys there.
+/// Where `creased`, a third of the knots is full, and the hills have sharp ridges and valleys there.
 std::vector<double> random_knots(std::mt19937_64& random, int degree, int spans, double size, bool creased) {
   std::vector<double> knots(static_cast<std::size_t>(degree) + 1, 0.0);
   for (int i = 1; i < spans; ++i) {
     const double at = size * (i + 0.4 * (static_cast<double>(random() % 1000) / 1000.0 - 0.5)) / spans;
-    const std::size_t copies = random() % 8 == 0 && creased ? static_cast<std::size_t>(degree) : 1;
+    const std::size_t copies = random() % 3 == 0 && creased ? static_cast<std::size_t>(degree) : 1;
     knots.insert(knots.end(), copies, at);
   }
   knots.insert(knots.end(), static_cast<std::size_t>(degree) + 1, size);
@@ -58,8 +58,8 @@ Hills random_hills(std::uint64_t seed, bool creased) {
   hills.size = 10.0;
   hills.thickness = 1.5;
   BSplineSurface& s = hills.surface;
-  s.degree_u = 2 + static_cast<int>(random() % 3);
-  s.degree_v = 2 + static_cast<int>(random() % 3);
+  s.degree_u = 1 + static_cast<int>(random() % 4);
+  s.degree_v = 1 + static_cast<int>(random() % 4);
   s.knots_u = random_knots(random, s.degree_u, 4 + static_cast<int>(random() % 5), hills.size, creased);
   s.knots_v = random_knots(random, s.degree_v, 4 + static_cast<int>(random() % 5), hills.size, creased);
   const std::vector<double> x = greville(s.knots_u, s.degree_u);
@@ -134,7 +134,7 @@ void expect_hills(const Hills& hills, const Scene& scene, const Placement& place
   EXPECT_EQ(test::total(layers).unclosed_rays, 0U);
   for (std::size_t k = 0; k < requests.size(); ++k) {
     for (std::size_t i = 0; i < requests[k].lattices.size(); ++i) {
-      SCOPED_TRACE(testing::Message() << "layer " << k);
+      SCOPED_TRACE(testing::Message() << "layer " << k << ", doubts " << layers[k].cast.uncertain_hits);
       expect_points(hills, placement, requests[k].lattices[i], requests[k].z, layers[k].lattices[i], box, count);
       if (testing::Test::HasFatalFailure()) return;
     }
@@ -173,8 +173,9 @@ TEST_P(Islands, AndLakesAreAllThere) {
 
 const auto kSeeds = testing::Range<std::uint64_t>(0, 24);
 INSTANTIATE_TEST_SUITE_P(Smooth, Islands, testing::Combine(kSeeds, testing::Values(false)));
-// Creased surfaces (knots that leave no derivative) lose islands for 11 of the 24 seeds: a known defect, stated under
-// Limits in docs/methods/span-engine.md. Instantiate the suite with testing::Values(true) to see it.
+INSTANTIATE_TEST_SUITE_P(Creased, Islands, testing::Combine(kSeeds, testing::Values(true)));
+// A section that went on beyond a crease as if there were none, between two points within their cell.
+INSTANTIATE_TEST_SUITE_P(BulgingOverACrease, Islands, testing::Values(std::tuple(std::uint64_t{187}, true)));
 
 }  // namespace
 }  // namespace lamella

@@ -1,0 +1,52 @@
+#include "slicing/span/net_kernel.h"
+
+#include <array>
+
+#include "model/bezier.h"
+#include "slicing/span/depth_kernel.h"
+
+namespace lamella::span {
+
+static_assert(kMaxDegree == 25, "net_sums.cpp has room for as many poles");
+
+#define LAMELLA_DECLARE(level)                                                           \
+  void surface_slopes_##level(const double*, const NetPlace&, const NetPlace&, double*); \
+  void surface_bends_##level(const double*, const NetPlace&, const NetPlace&, double*);  \
+  void curve_##level(const double*, const NetPlace&, double*)
+LAMELLA_DECLARE(v2);
+LAMELLA_DECLARE(v3);
+LAMELLA_DECLARE(v4);
+#undef LAMELLA_DECLARE
+
+namespace {
+
+const std::array<NetKernel, 3>& all_kernels() {
+  static const std::array<NetKernel, 3> kernels{{
+      {surface_slopes_v2, surface_bends_v2, curve_v2},
+#if defined(LAMELLA_X86_LEVELS)
+      {surface_slopes_v3, surface_bends_v3, curve_v3},
+      {surface_slopes_v4, surface_bends_v4, curve_v4},
+#endif
+  }};
+  return kernels;
+}
+
+}  // namespace
+
+std::size_t net_kernels(const NetKernel** kernels) {
+  *kernels = all_kernels().data();
+  // The machine runs the same levels here as there.
+  const DepthKernel* depth = nullptr;
+  return depth_kernels(&depth);
+}
+
+const NetKernel& net_kernel() {
+  static const NetKernel* const best = [] {
+    const NetKernel* kernels = nullptr;
+    const std::size_t count = net_kernels(&kernels);
+    return kernels + (count - 1);
+  }();
+  return *best;
+}
+
+}  // namespace lamella::span
