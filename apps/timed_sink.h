@@ -1,11 +1,13 @@
 #pragma once
 
+#include <functional>
+
 #include "apps/stopwatch.h"
 #include "slicing/layer_sink.h"
 
 namespace lamella::apps {
 
-/// Adds up the time that another sink takes. Calls don't overlap (LayerSink).
+/// Adds up the time that another sink takes in calls that don't overlap: all but prepare(), which takes no turn.
 class TimedSink final : public LayerSink {
  public:
   explicit TimedSink(LayerSink& sink) : sink_(sink) {}
@@ -14,6 +16,9 @@ class TimedSink final : public LayerSink {
   }
   void write(const Layer& layer) override {
     timed([&] { sink_.write(layer); });
+  }
+  [[nodiscard]] std::function<void()> prepare(const Layer& layer) override {
+    return [this, rest = sink_.prepare(layer)] { timed(rest); };
   }
   void finish(const SliceReport& report) override {
     timed([&] { sink_.finish(report); });

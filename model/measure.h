@@ -20,7 +20,7 @@ struct SolidMeasure {
 
 [[nodiscard]] SolidMeasure measure_solid(const Scene& scene, SolidId solid, double relative_error = 1e-8);
 
-/// All solids, in parallel.
+/// All solids, in parallel. Shifted copies are measured once: their bounds differ by the shift, with its rounding.
 [[nodiscard]] IdVector<SolidId, SolidMeasure> measure_solids(const Scene& scene, const Progress& progress = {},
                                                              int threads = 0);
 

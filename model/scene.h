@@ -76,6 +76,14 @@ enum class SolidStatus {
   empty     ///< no face survived the import
 };
 
+/// Where a solid came from when it was read: all solids of a file with the same `body` are copies of one shape, as far
+/// as they could be converted, and differ by where they are placed.
+struct Instance {
+  std::size_t body = 0;
+  Mat3 turn = Mat3::Identity();  ///< p -> turn p + shift, from the shape's frame to the machine's
+  Vec3 shift = Vec3::Zero();     ///< mm
+};
+
 struct SolidInfo {
   std::string name;      ///< product or body name, UTF-8
   std::string path;      ///< "/assembly/part.1/body", unique in the scene
@@ -89,6 +97,7 @@ struct SolidInfo {
   std::vector<std::string> healed;  ///< what the import changed, one line each
   double max_tolerance = 0.0;       ///< mm, over edges and vertices
   int step_entity = 0;
+  std::optional<Instance> instance;  ///< nothing where the reader doesn't know
 };
 
 struct Solid {

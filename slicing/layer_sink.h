@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -39,6 +40,10 @@ class LayerSink {
   /// Throws ExportError before any layer is cut when the target can't be written, UsageError when an option is missing.
   virtual void begin(const BuildInfo& info) = 0;
   virtual void write(const Layer& layer) = 0;
+  /// Does what of write() needs no order, for a sink that has such a part: called once a layer between begin() and
+  /// finish(), from several threads at once. What it returns does the rest and is called, with `layer` as it was, in
+  /// increasing z and in place of write().
+  [[nodiscard]] virtual std::function<void()> prepare(const Layer& layer);
   virtual void finish(const SliceReport& report) = 0;
   /// Called instead of finish() when the run failed for good: removes also the files that were complete. After a
   /// cancelled run it isn't called; complete files may stay.
@@ -51,6 +56,7 @@ class TeeSink final : public LayerSink {
   void add(std::unique_ptr<LayerSink> sink) { sinks_.push_back(std::move(sink)); }
   void begin(const BuildInfo& info) override;
   void write(const Layer& layer) override;
+  [[nodiscard]] std::function<void()> prepare(const Layer& layer) override;
   void finish(const SliceReport& report) override;
   void abandon() noexcept override;
 

@@ -1,6 +1,7 @@
 #include <memory>
 #include <utility>
 
+#include "slicing/copied_engine.h"
 #include "slicing/slicer.h"
 
 namespace lamella {
@@ -40,7 +41,10 @@ SlabEngine make_engine(const Scene& scene, const IdVector<SolidId, SolidMeasure>
     (is_for_spans ? closed : open).push_back(solid);
   }
   if (closed.empty()) return make_reference_engine(scene, measures, open, options, progress);
-  SlabEngine engine = make_span_engine(scene, closed, options, progress);
+  // An open solid is in no cluster that is copied, but may touch one: clusters are those of all solids.
+  SlabEngine engine = make_copied_engine(
+      scene, closed, find_copies(scene, measures, solids),
+      [&](std::span<const SolidId> some) { return make_span_engine(scene, some, options, progress); });
   if (open.empty()) return engine;
   return join_engines(std::move(engine), make_reference_engine(scene, measures, open, options, progress));
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -30,8 +31,11 @@ void check_policy(const MaterialTable& table, const LayerPlan& plan) {
   }
 }
 
-/// Consecutive layers that are cut together.
-using Slab = std::vector<CutLayer>;
+/// Consecutive layers that are cut together, and what is left to do to write them.
+struct Slab {
+  std::vector<CutLayer> layers;
+  std::vector<std::function<void()>> writes;
+};
 
 /// Workspaces for as many slabs as are being cut at once.
 class WorkspacePool {
@@ -54,16 +58,18 @@ class WorkspacePool {
 };
 
 /// Adds up and writes the layers of a slab in increasing z.
-void write_slab(const Slab& slab, std::size_t layer_count, Tally& tally, LayerSink& sink, const Progress& progress) {
-  for (const CutLayer& cut : slab) {
+void write_slab(Slab& slab, std::size_t layer_count, Tally& tally, const Progress& progress) {
+  for (std::size_t i = 0; i < slab.layers.size(); ++i) {
+    const CutLayer& cut = slab.layers[i];
     progress.throw_if_cancelled();
     tally.add(cut);
-    sink.write(cut.layer);
+    slab.writes[i]();
     progress.report("slicing", (cut.layer.index + 1.0) / static_cast<double>(layer_count));
   }
+  slab.writes.clear();
 }
 
-/// Cuts slabs in parallel while others, in order, are written.
+/// Cuts slabs and prepares them for the sink in parallel while others, in order, are written.
 void cut_layers(const LayerCutter& cutter, std::size_t slab_layers, std::size_t layer_count, int threads, Tally& tally,
                 LayerSink& sink, const Progress& progress) {
   progress.report("slicing", 0.0);
@@ -72,14 +78,14 @@ void cut_layers(const LayerCutter& cutter, std::size_t slab_layers, std::size_t 
   const auto cut = [&](std::size_t item, std::size_t slot) {
     progress.throw_if_cancelled();
     const std::size_t first = item * slab_layers;
-    slabs[slot].resize(std::min(slab_layers, layer_count - first));
+    Slab& slab = slabs[slot];
+    slab.layers.resize(std::min(slab_layers, layer_count - first));
     auto workspace = workspaces.take();
-    cutter.cut(first, slabs[slot], *workspace);
+    cutter.cut(first, slab.layers, *workspace);
     workspaces.put_back(std::move(workspace));
+    for (const CutLayer& layer : slab.layers) slab.writes.push_back(sink.prepare(layer.layer));
   };
-  const auto write = [&](std::size_t, std::size_t slot) {
-    write_slab(slabs[slot], layer_count, tally, sink, progress);
-  };
+  const auto write = [&](std::size_t, std::size_t slot) { write_slab(slabs[slot], layer_count, tally, progress); };
   ordered_pipeline((layer_count + slab_layers - 1) / slab_layers, slabs.size(), cut, write, threads);
 }
 

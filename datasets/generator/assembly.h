@@ -33,12 +33,13 @@ struct Part {
   Truth volume;
 };
 
-/// An instance of a part, or an assembly of further instances.
+/// An instance of a part or of a shared assembly, or an assembly of further instances.
 struct Node {
   std::string name;
   int part = -1;
   gp_Trsf placement;
   std::vector<Node> children;
+  int shared = -1;  ///< an index into DataSet::shared
 };
 
 /// Common volume of two solids, counted in the order of the assembly walk.
@@ -61,6 +62,7 @@ struct DataSet {
   Node root;
   std::vector<Overlap> overlaps;
   std::vector<Mirror> mirrored{};
+  std::vector<Node> shared{};  ///< assemblies that are written once and placed many times; their placement isn't used
 
   /// Adds a part and one instance of it under the root; returns the part's index.
   int add(Part part);
@@ -70,6 +72,15 @@ struct DataSet {
 
 /// "#rrggbb"
 [[nodiscard]] std::string hex(const Rgb& color);
+
+/// A solid of the data set: a part where the assembly puts it.
+struct PlacedPart {
+  int part = -1;
+  gp_Trsf placement;  ///< from the part's frame to that of the file, mirrors included
+};
+
+/// Every solid in the order of the assembly walk.
+[[nodiscard]] std::vector<PlacedPart> placed_parts(const DataSet& set);
 
 /// Part index of each solid in the order of the assembly walk.
 [[nodiscard]] std::vector<int> walk(const DataSet& set);

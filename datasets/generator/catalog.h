@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "datasets/generator/assembly.h"
@@ -21,6 +23,12 @@ namespace lamella::datasets {
 [[nodiscard]] DataSet turbine_blade_16();
 [[nodiscard]] DataSet housing_102();
 [[nodiscard]] DataSet impeller_135();
+
+/// Their names, in the order of the manifest.
+[[nodiscard]] std::vector<std::string> catalog_names();
+
+/// The one of that name, nothing if there is none.
+[[nodiscard]] std::optional<DataSet> make_data_set(const std::string& name);
 
 /// All of them, in the order of the manifest.
 [[nodiscard]] std::vector<DataSet> catalog();

@@ -37,6 +37,7 @@ class Document {
     shapes_ = XCAFDoc_DocumentTool::ShapeTool(document_->Main());
     materials_ = XCAFDoc_DocumentTool::MaterialTool(document_->Main());
     for (const Part& part : set.parts) part_labels_.push_back(add_part(part));
+    for (const Node& node : set.shared) shared_labels_.push_back(add_assembly(node));
     add_assembly(set.root);
     shapes_->UpdateAssemblies();
   }
@@ -56,10 +57,14 @@ class Document {
     const TDF_Label label = shapes_->NewShape();
     set_name(label, node.name);
     for (const Node& child : node.children) {
-      const TDF_Label target = child.part >= 0 ? part_labels_[child.part] : add_assembly(child);
-      set_name(shapes_->AddComponent(label, target, TopLoc_Location(child.placement)), child.name);
+      set_name(shapes_->AddComponent(label, product_of(child), TopLoc_Location(child.placement)), child.name);
     }
     return label;
+  }
+
+  TDF_Label product_of(const Node& instance) {
+    if (instance.part >= 0) return part_labels_[instance.part];
+    return instance.shared >= 0 ? shared_labels_[instance.shared] : add_assembly(instance);
   }
 
   const DataSet& set_;
@@ -67,6 +72,7 @@ class Document {
   Handle(XCAFDoc_ShapeTool) shapes_;
   Handle(XCAFDoc_MaterialTool) materials_;
   std::vector<TDF_Label> part_labels_;
+  std::vector<TDF_Label> shared_labels_;
 };
 
 void set_header(STEPControl_Writer& writer, const DataSet& set) {

@@ -69,13 +69,33 @@ class SolidConverter {
   ShapeMap<VertexId> vertices_;
 };
 
+bool is_scaled(const gp_Trsf& placement) {
+  constexpr double kUnscaled = 1e-12;
+  return std::abs(std::abs(placement.ScaleFactor()) - 1.0) > kUnscaled;
+}
+
 /// The shape with a scaled placement worked into its geometry; the model's parameters are lengths and can't be scaled.
 TopoDS_Shape without_scaling(const TopoDS_Shape& shape) {
   const gp_Trsf placement = shape.Location().Transformation();
-  constexpr double kUnscaled = 1e-12;
-  if (std::abs(std::abs(placement.ScaleFactor()) - 1.0) <= kUnscaled) return shape;
+  if (!is_scaled(placement)) return shape;
   const TopoDS_Shape bare = shape.Located(TopLoc_Location());
   return BRepBuilderAPI_Transform(bare, placement, Standard_True).Shape();
+}
+
+/// Completes an instance by its placement; without one that the model has, it is none.
+void place_instance(const TopoDS_Shape& shape, std::optional<Instance>& instance) {
+  const gp_Trsf trsf = shape.Location().Transformation();
+  if (is_scaled(trsf)) {
+    instance.reset();
+    return;
+  }
+  try {
+    const Placement placement = placement_of(trsf);
+    instance->turn = placement.linear;
+    instance->shift = placement.translation;
+  } catch (const Unconvertible&) {
+    instance.reset();
+  }
 }
 
 double size_of(const TopoDS_Shape& shape) {
@@ -101,6 +121,7 @@ std::vector<TopoDS_Shape> shells_of(const TopoDS_Shape& shape) {
 void SolidConverter::run(const SolidSource& source) {
   Solid solid;
   solid.info = source.info;
+  if (solid.info.instance) place_instance(source.shape, solid.info.instance);
   solid_ = scene_.solids.push_back(solid);
   const auto first_shell = ShellId{scene_.shells.size()};
   const std::size_t first_edge = scene_.edges.size();

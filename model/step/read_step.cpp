@@ -242,10 +242,15 @@ Reader::Source Reader::read_source(std::string& bytes, const std::string& name) 
 void Reader::convert(const step::Assembly& assembly, const step::EntityIndex& entities) {
   const std::size_t file = scene_.files.size() - 1;
   std::size_t done = 0;
+  std::map<std::pair<const void*, TopAbs_Orientation>, std::size_t> bodies;
   for (step::SolidSource source : assembly.solids) {
     progress_.throw_if_cancelled();
     progress_.report("converting", 0.7 * static_cast<double>(done++) / static_cast<double>(assembly.solids.size()));
     source.info.file = file;
+    const TopoDS_Shape& shape = source.shape;
+    const std::size_t body =
+        bodies.emplace(std::pair(shape.TShape().get(), shape.Orientation()), bodies.size()).first->second;
+    source.info.instance.emplace().body = body;
     make_unique(source.info.path);
     step::append_solid(scene_, source, entities, assembly.colors);
     if (scene_.faces.size() > options_.max_faces) {

@@ -1,9 +1,7 @@
 #include "slicing/store/layer_digest.h"
 
 #include <bit>
-#include <concepts>
 #include <span>
-#include <vector>
 
 #include "core/sha256.h"
 
@@ -11,41 +9,32 @@ namespace lamella {
 
 namespace {
 
-/// Feeds numbers to a digest as little-endian bytes, in blocks.
+static_assert(std::endian::native == std::endian::little, "a digest covers little-endian bytes");
+static_assert(sizeof(Segment) == 24 && sizeof(MaterialId) == 4 && sizeof(SolidId) == 4,
+              "segments lie in memory as a digest covers them: x_begin, x_end, material, solid");
+
+/// Feeds numbers to a digest as they lie in memory.
 class DigestStream {
  public:
-  void put(std::unsigned_integral auto value) {
-    for (std::size_t i = 0; i < sizeof(value); ++i) bytes_.push_back(static_cast<std::byte>((value >> (8 * i)) & 0xFF));
-    if (bytes_.size() >= kBlock) flush();
+  template <class T>
+  void put(std::span<const T> values) {
+    sha_.update(std::as_bytes(values));
   }
-  void put(double value) { put(std::bit_cast<std::uint64_t>(value)); }
+  template <class T>
+  void put(const T& value) {
+    put(std::span(&value, 1));
+  }
 
-  std::string finish() {
-    flush();
-    return sha_.finish();
-  }
+  std::string finish() { return sha_.finish(); }
 
  private:
-  static constexpr std::size_t kBlock = 1 << 16;
-
-  void flush() {
-    sha_.update(bytes_);
-    bytes_.clear();
-  }
-
   Sha256 sha_;
-  std::vector<std::byte> bytes_;
 };
 
 void put_rows(DigestStream& stream, const SegmentRows& rows) {
   stream.put(static_cast<std::uint64_t>(rows.rows()));
-  for (const std::uint64_t start : rows.row_start) stream.put(start);
-  for (const Segment& segment : rows.segments) {
-    stream.put(segment.x_begin);
-    stream.put(segment.x_end);
-    stream.put(segment.material.value());
-    stream.put(segment.solid.value());
-  }
+  stream.put(std::span(rows.row_start));
+  stream.put(std::span(rows.segments));
 }
 
 }  // namespace

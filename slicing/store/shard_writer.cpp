@@ -17,9 +17,6 @@ namespace {
 using hdf5::written;
 namespace fs = std::filesystem;
 
-/// Arrays up to this many bytes lie in their object header, where neither chunks nor compression would pay.
-constexpr std::size_t kCompactBytes = 1024;
-constexpr hsize_t kChunkElements = hsize_t{1} << 17;
 /// The memory image grows by this much at a time.
 constexpr std::size_t kImageStep = std::size_t{1} << 20;
 
@@ -107,20 +104,25 @@ void put_attribute(const Place& object, const char* name, std::int64_t value) {
   put_attribute(object, name, H5T_STD_I64LE, &value);
 }
 
-/// One array: its name, its type on disk and in memory, and the unit its attribute states ("1" for counts and ids).
-struct ArraySpec {
-  const char* name;
-  hid_t type;
-  const char* unit;
-};
+hid_t type_of(const PackedArray& array) {
+  switch (array.type) {
+    case ElementType::u32:
+      return H5T_STD_U32LE;
+    case ElementType::u64:
+      return H5T_STD_U64LE;
+    case ElementType::f64:
+      break;
+  }
+  return H5T_IEEE_F64LE;
+}
 
-hdf5::Properties layout_for(std::size_t bytes, hsize_t count, int compression, const fs::path& path) {
+hdf5::Properties layout_of(const PackedArray& array, int compression, const fs::path& path) {
   hdf5::Properties creation = timeless(H5P_DATASET_CREATE, path);
-  if (bytes <= kCompactBytes) {
+  if (array.chunk == 0) {
     written(H5Pset_layout(creation.id(), H5D_COMPACT), path);
     return creation;
   }
-  const hsize_t chunk = std::min(count, kChunkElements);
+  const hsize_t chunk = array.chunk;
   written(H5Pset_chunk(creation.id(), 1, &chunk), path);
   if (compression > 0) {
     written(H5Pset_shuffle(creation.id()), path);
@@ -129,35 +131,34 @@ hdf5::Properties layout_for(std::size_t bytes, hsize_t count, int compression, c
   return creation;
 }
 
-void put_array(const Place& group, const ArraySpec& spec, const void* data, hsize_t count, int compression) {
-  const std::size_t bytes = static_cast<std::size_t>(count) * H5Tget_size(spec.type);
-  const hdf5::Properties creation = layout_for(bytes, count, compression, group.path);
+hdf5::Dataset create_array(const Place& group, const char* name, hid_t type, hsize_t count, const char* unit,
+                           const hdf5::Properties& creation) {
   const hdf5::Space space(written(H5Screate_simple(1, &count, nullptr), group.path));
-  const hdf5::Dataset dataset(written(
-      H5Dcreate2(group.id, spec.name, spec.type, space.id(), H5P_DEFAULT, creation.id(), H5P_DEFAULT), group.path));
-  if (count > 0) written(H5Dwrite(dataset.id(), spec.type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data), group.path);
-  put_attribute({dataset.id(), group.path}, "unit", std::string_view(spec.unit));
+  hdf5::Dataset dataset(
+      written(H5Dcreate2(group.id, name, type, space.id(), H5P_DEFAULT, creation.id(), H5P_DEFAULT), group.path));
+  put_attribute({dataset.id(), group.path}, "unit", std::string_view(unit));
+  return dataset;
 }
 
-template <class T>
-void put_column(const Place& group, const ArraySpec& spec, const std::vector<Segment>& segments, int compression,
-                T (*value)(const Segment&)) {
-  std::vector<T> column;
-  column.reserve(segments.size());
-  for (const Segment& segment : segments) column.push_back(value(segment));
-  put_array(group, spec, column.data(), column.size(), compression);
+/// The pieces are stored as they are, past HDF5's own filters.
+void put_array(const Place& group, const PackedArray& array, int compression) {
+  const hdf5::Dataset dataset = create_array(group, array.name, type_of(array), array.count, array.unit,
+                                             layout_of(array, compression, group.path));
+  if (array.count == 0) return;
+  if (array.chunk == 0) {
+    written(H5Dwrite(dataset.id(), type_of(array), H5S_ALL, H5S_ALL, H5P_DEFAULT, array.pieces.front().data()),
+            group.path);
+    return;
+  }
+  hsize_t first = 0;
+  for (const std::string& piece : array.pieces) {
+    written(H5Dwrite_chunk(dataset.id(), H5P_DEFAULT, 0, &first, piece.size(), piece.data()), group.path);
+    first += array.chunk;
+  }
 }
 
-void put_rows(const Place& group, const SegmentRows& rows, int compression) {
-  put_array(group, {"row_start", H5T_STD_U64LE, "1"}, rows.row_start.data(), rows.row_start.size(), compression);
-  put_column<double>(group, {"x_begin", H5T_IEEE_F64LE, "mm"}, rows.segments, compression,
-                     [](const Segment& segment) { return segment.x_begin; });
-  put_column<double>(group, {"x_end", H5T_IEEE_F64LE, "mm"}, rows.segments, compression,
-                     [](const Segment& segment) { return segment.x_end; });
-  put_column<std::uint32_t>(group, {"material", H5T_STD_U32LE, "1"}, rows.segments, compression,
-                            [](const Segment& segment) { return segment.material.value(); });
-  put_column<std::uint32_t>(group, {"solid", H5T_STD_U32LE, "1"}, rows.segments, compression,
-                            [](const Segment& segment) { return segment.solid.value(); });
+void put_rows(const Place& group, const PackedRows& rows, int compression) {
+  for (const PackedArray& array : rows) put_array(group, array, compression);
 }
 
 /// A table of names: entry i belongs to id i.
@@ -165,7 +166,16 @@ void put_names(const Place& file, const char* name, const std::vector<std::strin
   std::vector<const char*> pointers;
   for (const std::string& text : names) pointers.push_back(text.c_str());
   const hdf5::Type type = string_type(H5T_VARIABLE, file.path);
-  put_array(file, {name, type.id(), "1"}, pointers.data(), pointers.size(), 0);
+  const hsize_t count = pointers.size();
+  hdf5::Properties creation = timeless(H5P_DATASET_CREATE, file.path);
+  if (count * H5Tget_size(type.id()) <= kCompactBytes) {
+    written(H5Pset_layout(creation.id(), H5D_COMPACT), file.path);
+  } else {
+    const hsize_t chunk = std::min<hsize_t>(count, kChunkElements);
+    written(H5Pset_chunk(creation.id(), 1, &chunk), file.path);
+  }
+  const hdf5::Dataset dataset = create_array(file, name, type.id(), count, "1", creation);
+  if (count > 0) written(H5Dwrite(dataset.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, pointers.data()), file.path);
 }
 
 void put_header(const Place& file, const BuildInfo& info) {
@@ -195,7 +205,7 @@ ShardWriter::~ShardWriter() {
   file_.reset();
 }
 
-void ShardWriter::add(const Layer& layer) {
+void ShardWriter::add(const PackedLayer& layer) {
   const hdf5::Session session;
   const hdf5::Group group = create_group({file_.id(), path_}, layer_group_name(layer.index));
   const Place place{group.id(), path_};

@@ -6,6 +6,7 @@
 
 #include "slicing/layer_sink.h"
 #include "slicing/store/hdf5.h"
+#include "slicing/store/packed_layer.h"
 
 namespace lamella {
 
@@ -18,8 +19,8 @@ class ShardWriter {
   ShardWriter(const ShardWriter&) = delete;
   ShardWriter& operator=(const ShardWriter&) = delete;
 
-  /// Adds the group of one layer. Throws ExportError.
-  void add(const Layer& layer);
+  /// Adds the group of one layer, packed with this writer's compression. Throws ExportError.
+  void add(const PackedLayer& layer);
 
   /// Writes the file under its name, whole or not at all, and returns the SHA-256 of its bytes. Throws ExportError.
   [[nodiscard]] std::string finish();

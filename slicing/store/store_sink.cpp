@@ -1,3 +1,5 @@
+#include <functional>
+#include <memory>
 #include <string>
 #include <utility>
 
@@ -5,6 +7,7 @@
 #include "slicing/store/build_file.h"
 #include "slicing/store/build_folder.h"
 #include "slicing/store/layer_digest.h"
+#include "slicing/store/packed_layer.h"
 #include "slicing/store/shard_writer.h"
 #include "slicing/store/store.h"
 
@@ -40,20 +43,11 @@ class StoreSink final : public LayerSink {
     make_folder(folder_ / kShardFolder);
   }
 
-  void write(const Layer& layer) override {
-    if (layer.index != build_.layers.size()) throw ExportError("layers came out of order", folder_.string());
-    if (!shard_) shard_ = std::make_unique<ShardWriter>(shard_path(), build_.info, options_.compression);
-    shard_->add(layer);
-    LayerEntry entry;
-    entry.segments = layer.raster.segments.size();
-    entry.has_hatch = layer.hatch.has_value();
-    if (layer.hatch) {
-      entry.hatch_rows = layer.hatch->rows.rows();
-      entry.hatch_segments = layer.hatch->rows.segments.size();
-    }
-    entry.sha256 = digest_of(layer);
-    build_.layers.push_back(std::move(entry));
-    if (build_.layers.size() % options_.layers_per_shard == 0) close_shard();
+  void write(const Layer& layer) override { prepare(layer)(); }
+
+  [[nodiscard]] std::function<void()> prepare(const Layer& layer) override {
+    auto packed = std::make_shared<PackedLayer>(pack_layer(layer, options_.compression));
+    return [this, packed = std::move(packed), entry = describe(layer)] { add(*packed, entry); };
   }
 
   void finish(const SliceReport& report) override {
@@ -74,6 +68,26 @@ class StoreSink final : public LayerSink {
   }
 
  private:
+  static LayerEntry describe(const Layer& layer) {
+    LayerEntry entry;
+    entry.segments = layer.raster.segments.size();
+    entry.has_hatch = layer.hatch.has_value();
+    if (layer.hatch) {
+      entry.hatch_rows = layer.hatch->rows.rows();
+      entry.hatch_segments = layer.hatch->rows.segments.size();
+    }
+    entry.sha256 = digest_of(layer);
+    return entry;
+  }
+
+  void add(const PackedLayer& layer, const LayerEntry& entry) {
+    if (layer.index != build_.layers.size()) throw ExportError("layers came out of order", folder_.string());
+    if (!shard_) shard_ = std::make_unique<ShardWriter>(shard_path(), build_.info, options_.compression);
+    shard_->add(layer);
+    build_.layers.push_back(entry);
+    if (build_.layers.size() % options_.layers_per_shard == 0) close_shard();
+  }
+
   [[nodiscard]] fs::path shard_path() const { return folder_ / shard_name(build_.shards.size()); }
 
   void close_shard() {

@@ -315,6 +315,55 @@ TEST(Measure, AllSolidsAreMeasuredAlikeWithAnyNumberOfThreads) {
   }
 }
 
+/// Four balls in cubes; instances of two bodies, as a reader would say.
+Scene instances() {
+  Scene scene;
+  const auto add = [&](std::size_t body, const Vec3& shift) {
+    const auto place = test::Placement::turned(Vec3(1, 2, 3).normalized(), 0.4, shift);
+    const std::size_t first = scene.faces.size();
+    const SolidId id = body == 0 ? test::add_box_with_void(scene, Vec3(-3, -2, -2), Vec3(3, 2, 2), 1.0, {place}).id
+                                 : test::add_torus(scene, 3.0, 1.0, {place}).id;
+    scene.solids[id].info.instance = Instance{body, place.linear, place.translation};
+    for (std::size_t f = first; f < scene.faces.size(); ++f)
+      scene.faces[FaceId{f}].step_entity = static_cast<int>(100 * body + f - first + 1);
+  };
+  for (const Vec3& shift : {Vec3(1.7, 0.3, 5.1), Vec3(0, 0, 0), Vec3(100.3, 20.9, 0), Vec3(-7.7, 0, 33.3)}) {
+    add(0, shift);
+    add(1, shift + Vec3(10, 0, 0));
+  }
+  return scene;
+}
+
+void expect_own_measures(const Scene& scene) {
+  const auto measures = measure_solids(scene);
+  for (const SolidId id : scene.solids.ids()) {
+    const SolidMeasure own = measure_solid(scene, id);
+    EXPECT_NEAR(measures[id].volume, own.volume, 1e-9 * own.volume);
+    EXPECT_NEAR(measures[id].area, own.area, 1e-7 * own.area);
+    EXPECT_LE((measures[id].bounds.min() - own.bounds.min()).norm(), 1e-9);
+    EXPECT_LE((measures[id].bounds.max() - own.bounds.max()).norm(), 1e-9);
+  }
+}
+
+TEST(Measure, OfShiftedInstancesIsWhatEachIsMeasuredToBe) {
+  const Scene scene = instances();
+  expect_own_measures(scene);
+  const auto measures = measure_solids(scene);
+  for (std::size_t i = 2; i < 8; ++i) EXPECT_EQ(measures[SolidId{i}].volume, measures[SolidId{i % 2}].volume);
+}
+
+TEST(Measure, DoesNotTrustInstancesOfASceneThatHasChanged) {
+  Scene moved = instances();
+  for (Vertex& vertex : moved.vertices) vertex.point = 1.01 * vertex.point;
+  expect_own_measures(moved);
+  Scene renamed = instances();
+  for (Solid& solid : renamed.solids) solid.info.instance->body = 0;
+  expect_own_measures(renamed);
+  Scene shifted = instances();
+  for (Solid& solid : shifted.solids) solid.info.instance->shift *= 2.0;
+  expect_own_measures(shifted);
+}
+
 TEST(Measure, CancelStopsTheMeasuring) {
   Scene scene;
   add_all(scene, {});

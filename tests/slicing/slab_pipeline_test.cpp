@@ -136,6 +136,46 @@ TEST(SlabPipeline, HoldsTwoSlabsAThreadWhenTheSinkIsSlow) {
   }
 }
 
+/// Counts what is prepared, and keeps what the rest of it writes.
+class Preparer : public Recorder {
+ public:
+  [[nodiscard]] std::function<void()> prepare(const Layer& layer) override {
+    ++prepared_[layer.index];
+    return [this, &layer] { write(layer); };
+  }
+  [[nodiscard]] const auto& prepared() const { return prepared_; }
+
+ private:
+  std::array<std::atomic<int>, kLayers> prepared_{};
+};
+
+TEST(SlabPipeline, PreparesEveryLayerOnceAndWritesTheRestInOrder) {
+  const KnownScene known = mast();
+  Recorder expected;
+  (void)run(carrying_engine(known), known, expected, 1);
+  for (const int threads : {1, 2, 0}) {
+    Preparer sink;
+    (void)run(carrying_engine(known), known, sink, threads);
+    for (const std::atomic<int>& count : sink.prepared()) EXPECT_EQ(count, 1);
+    EXPECT_EQ(sink.layers, expected.layers);
+    EXPECT_TRUE(sink.is_finished);
+  }
+}
+
+TEST(SlabPipeline, AbandonsTheSinkWhenALayerCantBePrepared) {
+  class Failing : public Recorder {
+    [[nodiscard]] std::function<void()> prepare(const Layer& layer) override {
+      if (layer.index == 200) throw ExportError("no room");
+      return Recorder::prepare(layer);
+    }
+  };
+  const KnownScene known = mast();
+  Failing sink;
+  EXPECT_THROW((void)run(carrying_engine(known), known, sink), ExportError);
+  EXPECT_TRUE(sink.is_abandoned);
+  EXPECT_FALSE(sink.is_finished);
+}
+
 TEST(SlabPipeline, AbandonsTheSinkWhenTheEngineFailsInSlabSeven) {
   const KnownScene known = mast();
   for (const int threads : {1, 0}) {

@@ -144,6 +144,22 @@ TEST(Store, WritesTheSameBytesAgain) {
   EXPECT_EQ(contents(folder / "a").size(), 4u + 2u) << "four shards, layers.h5 and build.xml";
 }
 
+TEST(Store, WritesTheSameBytesHoweverLayersArePrepared) {
+  const TemporaryFolder folder;
+  const Sample sample = make_sample(7);
+  write_sample(sample, folder / "one", {.layers_per_shard = 3});
+  TeeSink sink;
+  sink.add(make_store_sink(folder / "two", {.layers_per_shard = 3}));
+  sink.add(make_store_sink(folder / "three", {.layers_per_shard = 3}));
+  sink.begin(sample.info);
+  std::vector<std::function<void()>> rests(sample.layers.size());
+  for (std::size_t i = rests.size(); i-- > 0;) rests[i] = sink.prepare(sample.layers[i]);
+  for (const auto& rest : rests) rest();
+  sink.finish(sample.report);
+  EXPECT_EQ(contents(folder / "two"), contents(folder / "one"));
+  EXPECT_EQ(contents(folder / "three"), contents(folder / "one"));
+}
+
 TEST(Store, WritesABuildXmlThatItsSchemaAccepts) {
   const TemporaryFolder folder;
   write_sample(make_sample(), folder / "build");

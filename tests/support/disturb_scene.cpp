@@ -53,6 +53,7 @@ class Disturbance {
 }  // namespace
 
 Scene disturbed(Scene scene, double gap, unsigned seed, bool stated) {
+  for (Solid& solid : scene.solids) solid.info.instance.reset();
   Disturbance disturbance(gap, seed);
   const double tolerance = 3.0 * gap;
   for (Vertex& vertex : scene.vertices) {

@@ -46,6 +46,7 @@ Surface placed(Surface surface, const Placement& placement) {
 }
 
 Scene placed(Scene scene, const Placement& placement) {
+  for (Solid& solid : scene.solids) solid.info.instance.reset();
   for (Vertex& vertex : scene.vertices) vertex.point = placement.apply(vertex.point);
   for (Edge& edge : scene.edges) edge.curve = placed(edge.curve, placement);
   for (const FaceId face : scene.faces.ids()) {
