@@ -1,5 +1,6 @@
 #include "apps/assembly.h"
 
+#include "model/solid_status.h"
 #include "model/step/read_step.h"
 #include "slicing/slicer.h"
 
@@ -25,20 +26,6 @@ Assembly read_assembly(const Session& session, const std::vector<std::string>& f
 
 void measure_assembly(const Session& session, Assembly& assembly) {
   assembly.measures = measure_solids(assembly.scene, session.progress(), session.threads());
-}
-
-std::string status_word(const SolidInfo& solid) {
-  switch (solid.status) {
-    case SolidStatus::open:
-      return "open";
-    case SolidStatus::invalid:
-      return "invalid";
-    case SolidStatus::empty:
-      return "empty";
-    case SolidStatus::ok:
-      break;
-  }
-  return solid.closed ? "ok" : "open";
 }
 
 bool is_sliceable(const SolidInfo& solid) { return is_closed(solid) && solid.status != SolidStatus::empty; }

@@ -28,9 +28,6 @@ struct Assembly {
 /// Fills `measures`.
 void measure_assembly(const Session& session, Assembly& assembly);
 
-/// "ok", "open", "invalid" or "empty".
-[[nodiscard]] std::string status_word(const SolidInfo& solid);
-
 /// Whether a run takes the solid without being asked: it is closed, and something is left of it.
 [[nodiscard]] bool is_sliceable(const SolidInfo& solid);
 

@@ -7,6 +7,7 @@
 #include "apps/verbs.h"
 #include "export/build_check.h"
 #include "export/xml_slices.h"
+#include "model/solid_status.h"
 #include "model/step/read_step.h"
 #include "slicing/store/build_file.h"
 #include "slicing/store/store.h"

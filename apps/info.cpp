@@ -9,6 +9,7 @@
 #include "apps/verbs.h"
 #include "core/atomic_file.h"
 #include "materials/color.h"
+#include "model/solid_status.h"
 
 namespace lamella::apps {
 

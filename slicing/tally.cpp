@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/xml.h"
+#include "model/solid_status.h"
 
 namespace lamella {
 
@@ -14,20 +15,6 @@ constexpr double kGramsPerDensityVolume = 1e-3;
 
 /// The integrals of |n_y| and |n_z| are known within 1 % (model/measure.h).
 constexpr double kNormalAreaSlack = 1.01;
-
-std::string status_of(const SolidInfo& info) {
-  switch (info.status) {
-    case SolidStatus::open:
-      return "open";
-    case SolidStatus::invalid:
-      return "invalid";
-    case SolidStatus::empty:
-      return "empty";
-    case SolidStatus::ok:
-      break;
-  }
-  return info.closed ? "ok" : "open";
-}
 
 std::vector<PairReport> pair_reports(const auto& pairs) {
   std::vector<PairReport> out;
@@ -61,7 +48,7 @@ Tally::Tally(const Scene& scene, const MaterialTable& table, const IdVector<Soli
   report_.solids.resize(scene.solids.size());
   report_.materials.resize(table.materials.size());
   for (const SolidId solid : scene.solids.ids()) {
-    report_.solids[solid].status = status_of(scene.solids[solid].info);
+    report_.solids[solid].status = status_word(scene.solids[solid].info);
     report_.solids[solid].left_out = std::find(solids.begin(), solids.end(), solid) == solids.end();
   }
   report_.layers = plan.layers.size();

@@ -150,6 +150,7 @@ bool join_points(const SectionPoint& a, const SectionPoint& b, ArcPiece& piece, 
 }
 
 bool stays_in_cell(const SectionSurface& surface, const Cell& cell, const ArcPiece& uv) {
+  if (!surface.is_divided()) return true;
   constexpr int kHalvings = 3;
   for (int axis = 0; axis < 2; ++axis) {
     const bool below = surface.has_neighbor(cell, axis, false);

@@ -43,6 +43,8 @@ class SectionSurface {
   [[nodiscard]] bool has_neighbor(const Cell& cell, int axis, bool upper) const;
 
   [[nodiscard]] bool has_cells() const { return !breaks_[0].empty() || !breaks_[1].empty(); }
+  /// Whether there is more than one.
+  [[nodiscard]] bool is_divided() const { return breaks_[0].size() > 2 || breaks_[1].size() > 2; }
   /// Whether a knot with continuous second derivatives lies between two points of one cell.
   [[nodiscard]] bool crosses_knot(const Vec2& a, const Vec2& b, const Cell& cell) const;
   /// Limits along one axis of the polynomial piece that a step from `place` along `heading` runs in. Between pieces of

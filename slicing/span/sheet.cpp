@@ -232,6 +232,7 @@ class Builder {
 
   /// Whether a piece stays within its cell where the sheet is measured.
   [[nodiscard]] bool stays_in_cell(std::size_t piece) const {
+    if (!surface_.is_divided()) return true;
     const Cell& cell = carried_.arc.cells[piece];
     for (const double place : kProbes) {
       ArcPiece uv;
