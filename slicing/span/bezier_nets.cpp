@@ -49,7 +49,15 @@ SurfacePoint2 divide(const double* sums, const Vec3& origin) {
 Breaks::Breaks(std::vector<double> limits) : limits_(std::move(limits)) {
   if (limits_.size() < 2) return;
   const double length = limits_.back() - limits_.front();
-  if (length > 0.0) per_length_ = static_cast<double>(limits_.size() - 1) / length;
+  constexpr std::size_t kBucketsPerPart = 4;
+  const std::size_t buckets = kBucketsPerPart * (limits_.size() - 1);
+  if (length > 0.0) buckets_per_length_ = static_cast<double>(buckets) / length;
+  std::size_t part = 0;
+  for (std::size_t i = 0; i < buckets; ++i) {
+    const double low = limits_.front() + length * static_cast<double>(i) / static_cast<double>(buckets);
+    while (part + 2 < limits_.size() && limits_[part + 1] <= low) ++part;
+    first_in_bucket_.push_back(static_cast<int>(part));
+  }
   for (std::size_t i = 0; i + 1 < limits_.size(); ++i) scales_.push_back(1.0 / (limits_[i + 1] - limits_[i]));
 }
 

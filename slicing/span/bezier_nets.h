@@ -28,9 +28,14 @@ class Breaks {
   /// Among parts [first, last) the one that holds `place`; the outer ones go on without end.
   [[nodiscard]] int part_of(double place, int first, int last) const {
     const double* limits = limits_.data();
-    const double guess = (place - limits[0]) * per_length_;
+    const double bucket = (place - limits[0]) * buckets_per_length_;
+    const auto count = static_cast<double>(first_in_bucket_.size());
     // Written so that NaN gives the first part.
-    int part = guess > first ? (guess < last ? static_cast<int>(guess) : last - 1) : first;
+    int part = first;
+    if (bucket > 0.0) {
+      part = bucket < count ? first_in_bucket_[static_cast<std::size_t>(bucket)] : last - 1;
+      part = part < first ? first : (part < last ? part : last - 1);
+    }
     while (part > first && place < limits[part]) --part;
     while (part + 1 < last && place >= limits[part + 1]) ++part;
     return part;
@@ -39,8 +44,9 @@ class Breaks {
 
  private:
   std::vector<double> limits_;
-  std::vector<double> scales_;  ///< one over the length of each part
-  double per_length_ = 0.0;     ///< parts a length, if they were of equal length: the first guess
+  std::vector<double> scales_;        ///< one over the length of each part
+  std::vector<int> first_in_bucket_;  ///< the part at the lower end of each of many equal buckets: where to begin
+  double buckets_per_length_ = 0.0;
 };
 
 /// Rational Bezier nets of a surface, evaluated with derivatives. Poles are kept relative to an origin near the part,
