@@ -29,6 +29,15 @@ struct RoundTask {
 };
 using RoundFunction = void (*)(const RoundTask& task, const double* rows, std::size_t count, double* xs);
 
+/// A chord: x = x0 + t dx where y0 + t dy is the row, t within [0, 1].
+struct LineTask {
+  double x0 = 0.0;
+  double dx = 0.0;
+  double y0 = 0.0;
+  double dy = 0.0;
+};
+using LineFunction = void (*)(const LineTask& task, const double* rows, std::size_t count, double* xs);
+
 /// sums[i] = polynomial of degree 4 at `place`, coefficients[power * count + i].
 using BlendFunction = void (*)(const double* coefficients, std::size_t count, double place, double* sums);
 
@@ -38,6 +47,7 @@ struct DepthKernel {
   DepthFunction solve = nullptr;
   BlendFunction blend = nullptr;
   RoundFunction round = nullptr;
+  LineFunction line = nullptr;
   const char* level = "";
 };
 

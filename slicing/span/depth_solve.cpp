@@ -48,6 +48,16 @@ std::size_t LAMELLA_NAME(solve, LAMELLA_LEVEL)(const DepthTask& task, const doub
 void LAMELLA_NAME(blend, LAMELLA_LEVEL)(const double* coefficients, std::size_t count, double place, double* sums);
 
 void LAMELLA_NAME(round, LAMELLA_LEVEL)(const RoundTask& task, const double* rows, std::size_t count, double* xs);
+void LAMELLA_NAME(line, LAMELLA_LEVEL)(const LineTask& task, const double* rows, std::size_t count, double* xs);
+
+void LAMELLA_NAME(line, LAMELLA_LEVEL)(const LineTask& task, const double* rows, std::size_t count, double* xs) {
+  const LineTask line = task;
+  const double per_rise = line.dy == 0.0 ? 0.0 : 1.0 / line.dy;
+  double* __restrict out = xs;
+  for (std::size_t i = 0; i < count; ++i) {
+    out[i] = line.x0 + clamp((rows[i] - line.y0) * per_rise, 0.0, 1.0) * line.dx;
+  }
+}
 
 void LAMELLA_NAME(round, LAMELLA_LEVEL)(const RoundTask& task, const double* rows, std::size_t count, double* xs) {
   const RoundTask t = task;

@@ -1,0 +1,245 @@
+#include "slicing/span/row_sweep.h"
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+namespace lamella::span {
+
+namespace {
+
+/// Hits of one solid may come in the wrong order over this length, whatever the file states: ten times the accuracy of
+/// an arc between its exact points.
+constexpr double kLeastTolerance = 1e-6;  // mm
+
+/// Rows looked at together after the order has changed; twice as many each time that it doesn't.
+constexpr std::size_t kLookAhead = 8;
+
+/// Of more columns that begin on one row, each is no longer carried to its place past all that it precedes.
+constexpr std::size_t kFewColumns = 8;
+
+bool precedes(const Span& a, const Span& b) {
+  return std::tie(a.begin, a.end, a.solid) < std::tie(b.begin, b.end, b.solid);
+}
+
+/// Whether a[i] < b[i] for all i.
+bool is_below(const double* a, const double* b, std::size_t count) {
+  std::int64_t others = 0;
+  for (std::size_t i = 0; i < count; ++i) others |= a[i] < b[i] ? 0 : 1;
+  return others == 0;
+}
+
+}  // namespace
+
+double order_tolerance(const Solid& solid) { return std::max(kLeastTolerance, solid.info.max_tolerance); }
+
+RowSweep::RowSweep(const Scene& scene)
+    : winding_(scene.solids.size(), 0), open_span_(scene.solids.size(), 0), off_since_(scene.solids.size(), 0.0) {
+  tolerance_.reserve(scene.solids.size());
+  for (const Solid& solid : scene.solids) tolerance_.push_back(order_tolerance(solid));
+}
+
+void RowSweep::sweep(const RowColumns& columns, SpanRows& rows, LayerSpans& out) {
+  start(columns, rows);
+  const auto count = static_cast<std::uint32_t>(columns.rows());
+  for (std::uint32_t row = 0; row < count;) {
+    end_columns(row);
+    sort_crossings(begin_columns(columns, row));
+    find_bounds();
+    const std::uint32_t end = next_change(row);
+    write_run(row, end, rows.row_start.data() + row + 1, out);
+    row = end;
+  }
+  rows.spans.assign(spans_.begin(), spans_.begin() + static_cast<std::ptrdiff_t>(span_count_));
+}
+
+void RowSweep::start(const RowColumns& columns, SpanRows& rows) {
+  rows.row_start.resize(columns.rows() + 1);
+  rows.row_start[0] = 0;
+  crossings_.clear();
+  span_count_ = 0;
+  begins_at_.assign(columns.rows(), 0);
+  begins_too_.resize(columns.columns().size());
+  std::size_t entries = 0;
+  for (std::uint32_t i = 0; i < begins_too_.size(); ++i) {
+    const Column& column = columns.columns()[i];
+    begins_too_[i] = std::exchange(begins_at_[column.first_row], i + 1);
+    if (!column.is_exit()) entries += column.rows();
+  }
+  if (spans_.size() < entries) spans_.resize(entries);
+}
+
+void RowSweep::end_columns(std::uint32_t row) {
+  std::erase_if(crossings_, [&](const Crossing& crossing) { return crossing.column->last_row == row; });
+}
+
+/// Returns how many.
+std::size_t RowSweep::begin_columns(const RowColumns& columns, std::uint32_t row) {
+  const std::size_t before = crossings_.size();
+  for (std::uint32_t i = begins_at_[row]; i != 0; i = begins_too_[i - 1]) {
+    const Column& column = columns.columns()[i - 1];
+    crossings_.push_back({columns.xs(column), &column});
+  }
+  return crossings_.size() - before;
+}
+
+/// The next row on which a column ends or begins.
+std::uint32_t RowSweep::next_change(std::uint32_t row) const {
+  auto end = static_cast<std::uint32_t>(begins_at_.size());
+  for (const Crossing& crossing : crossings_) end = std::min(end, crossing.column->last_row);
+  for (++row; row < end && begins_at_[row] == 0;) ++row;
+  return row;
+}
+
+/// The last `added` crossings are new, the others nearly in order.
+void RowSweep::sort_crossings(std::size_t added) {
+  Crossing* const first = crossings_.data();
+  Crossing* const last = first + crossings_.size();
+  const bool few = added <= kFewColumns;
+  Crossing* const middle = few ? last : last - added;
+  for (Crossing* i = first; i < middle; ++i) {
+    const Crossing crossing = *i;
+    Crossing* j = i;
+    for (; j > first && crossing.is_before(j[-1]); --j) *j = j[-1];
+    *j = crossing;
+  }
+  if (few) return;
+  const auto before = [](const Crossing& a, const Crossing& b) { return a.is_before(b); };
+  std::stable_sort(middle, last, before);
+  std::inplace_merge(first, middle, last, before);
+}
+
+void RowSweep::find_bounds() {
+  bounds_.clear();
+  is_regular_ = true;
+  for (std::uint32_t i = 0; i < crossings_.size(); ++i) {
+    const Column& column = *crossings_[i].column;
+    std::int32_t& winding = winding_[column.solid.value()];
+    is_regular_ &= winding == (column.is_exit() ? 1 : 0);
+    if (!is_regular_) break;
+    winding = 1 - winding;
+    std::uint64_t& open = open_span_[column.solid.value()];
+    if (column.is_exit()) {
+      bounds_[open].leaves = i;
+    } else {
+      open = bounds_.size();
+      bounds_.push_back({i, i});
+    }
+  }
+  is_regular_ &= 2 * bounds_.size() == crossings_.size();
+  if (is_regular_) return;
+  for (const Crossing& crossing : crossings_) winding_[crossing.column->solid.value()] = 0;
+}
+
+/// How many of the next `count` rows have their crossings in the order of the current one; at least that itself.
+std::size_t RowSweep::rows_in_order(std::size_t count) {
+  has_ties_ = false;
+  for (std::size_t i = 1; i < crossings_.size(); ++i) {
+    const Crossing& a = crossings_[i - 1];
+    const Crossing& b = crossings_[i];
+    if (is_below(a.xs, b.xs, count)) continue;
+    const bool may_tie = a.column->tag <= b.column->tag;
+    std::size_t row = 0;
+    for (; row < count && (a.xs[row] < b.xs[row] || (may_tie && a.xs[row] == b.xs[row])); ++row) {
+      has_ties_ |= a.xs[row] == b.xs[row];
+    }
+    count = row;
+  }
+  return std::max<std::size_t>(count, 1);
+}
+
+/// Writes rows [row, end), between which no column begins or ends. `row_end` is where to put the end of the first
+/// row's spans.
+void RowSweep::write_run(std::uint32_t row, std::uint32_t end, std::uint64_t* row_end, LayerSpans& out) {
+  std::size_t left = end - row;
+  for (std::size_t look_ahead = left; left > 0;) {
+    const std::size_t looked_at = std::min(left, look_ahead);
+    const std::size_t count = rows_in_order(looked_at);
+    if (is_regular_) {
+      write_bounded(count, row_end);
+      for (Crossing& crossing : crossings_) crossing.xs += count;
+    } else {
+      for (std::size_t i = 0; i < count; ++i) {
+        write_by_winding(row_end + i, out);
+        for (Crossing& crossing : crossings_) ++crossing.xs;
+      }
+    }
+    row_end += count;
+    left -= count;
+    look_ahead *= 2;
+    if (count == looked_at || left == 0) continue;
+    look_ahead = kLookAhead;
+    sort_crossings(0);
+    find_bounds();
+  }
+}
+
+void RowSweep::write_bounded(std::size_t count, std::uint64_t* row_end) {
+  const std::size_t width = bounds_.size();
+  Span* const first = spans_.data() + span_count_;
+  for (std::size_t k = 0; k < width; ++k) {
+    const Crossing& enters = crossings_[bounds_[k].enters];
+    const Crossing& leaves = crossings_[bounds_[k].leaves];
+    const Span kind{0.0, 0.0, enters.column->solid, enters.column->face, leaves.column->face};
+    for (std::size_t i = 0; i < count; ++i) {
+      Span& span = first[i * width + k];
+      span = kind;
+      span.begin = enters.xs[i];
+      span.end = leaves.xs[i];
+    }
+  }
+  for (std::size_t i = 0; i < count; ++i) row_end[i] = span_count_ += width;
+  // Entries that tie are in the order of their arcs.
+  if (!has_ties_) return;
+  for (Span* row = first; row < first + count * width; row += width) {
+    if (!std::is_sorted(row, row + width, precedes)) std::sort(row, row + width, precedes);
+  }
+}
+
+void RowSweep::note_winding(const Column& column, std::int32_t before, double x, LayerSpans& out) {
+  const SolidId solid = column.solid;
+  const std::int32_t now = winding_[solid.value()];
+  const auto is_off = [](std::int32_t winding) { return winding < 0 || winding > 1; };
+  if (!is_off(before) && is_off(now)) {
+    off_since_[solid.value()] = x;
+  } else if (is_off(before) && !is_off(now) && x - off_since_[solid.value()] > tolerance_[solid.value()]) {
+    ++out.cast.repaired_rays;
+    note_failed(out.failed, {Check::winding, solid, column.face, 1, x - off_since_[solid.value()]});
+  }
+}
+
+/// Writes the current row: a span of a solid is where its winding is one or more.
+void RowSweep::write_by_winding(std::uint64_t* row_end, LayerSpans& out) {
+  Span* const first = spans_.data() + span_count_;
+  for (const Crossing& crossing : crossings_) {
+    const Column& column = *crossing.column;
+    const double x = *crossing.xs;
+    std::int32_t& winding = winding_[column.solid.value()];
+    const std::int32_t before = std::exchange(winding, winding + (column.is_exit() ? -1 : 1));
+    note_winding(column, before, x, out);
+    if (!column.is_exit() && winding == 1) {
+      open_span_[column.solid.value()] = span_count_;
+      spans_[span_count_++] = {x, x, column.solid, column.face, {}};
+    } else if (column.is_exit() && winding == 0) {
+      Span& span = spans_[open_span_[column.solid.value()]];
+      span.end = x;
+      span.face_out = column.face;
+    }
+  }
+  close_solids(out);
+  *row_end = span_count_;
+  Span* const last = spans_.data() + span_count_;
+  if (!std::is_sorted(first, last, precedes)) std::sort(first, last, precedes);
+}
+
+/// Solids that the current row enters more or less often than it leaves them.
+void RowSweep::close_solids(LayerSpans& out) {
+  for (const Crossing& crossing : crossings_) {
+    const SolidId solid = crossing.column->solid;
+    if (std::exchange(winding_[solid.value()], 0) == 0) continue;
+    ++out.cast.unclosed_rays;
+    note_failed(out.failed, {Check::closure, solid, {}, 1});
+  }
+}
+
+}  // namespace lamella::span
