@@ -4,10 +4,10 @@
 
 namespace lamella::span {
 
-#define LAMELLA_DECLARE(level)                                                              \
-  std::size_t solve_##level(const DepthTask&, const double*, std::size_t, double, double*); \
-  void blend_##level(const double*, std::size_t, double, double*);                          \
-  void round_##level(const RoundTask&, const double*, std::size_t, double*);                \
+#define LAMELLA_DECLARE(level)                                               \
+  void solve_##level(DepthTask*, std::size_t, double, double*);              \
+  void blend_##level(const double*, std::size_t, double, double*);           \
+  void round_##level(const RoundTask&, const double*, std::size_t, double*); \
   void line_##level(const LineTask&, const double*, std::size_t, double*)
 LAMELLA_DECLARE(v2);
 LAMELLA_DECLARE(v3);

@@ -134,6 +134,7 @@ void RowColumns::add_stretch(const Source& source, std::uint32_t from_row, std::
   }
   stretch.column = static_cast<std::uint32_t>(columns_.size() - 1);
   stretches_.push_back(stretch);
+  (stretch.shape == Shape::quintic ? quintic_rows_ : other_rows_) += stretch.last_row - stretch.first_row;
 }
 
 void RowColumns::collect_pieces(const SectionArc& arc, const Source& source, const RowLattice& lattice) {
@@ -199,6 +200,8 @@ void RowColumns::collect(const Scene& scene, const Section& section, const RowLa
   stretches_.clear();
   rounds_.clear();
   columns_.clear();
+  quintic_rows_ = 0;
+  other_rows_ = 0;
   for (std::uint32_t i = 0; i < section.arcs.size(); ++i) {
     const SectionArc& arc = section.arcs[i];
     const Source source{i, scene.solid_of(arc.face), arc.face, columns_.size()};
@@ -211,33 +214,55 @@ void RowColumns::collect(const Scene& scene, const Section& section, const RowLa
 }
 
 void RowColumns::solve() {
-  std::size_t total = 0;
-  for (Column& column : columns_) {
-    column.first_x = total;
-    total += column.rows();
+  xs_.resize(quintic_rows_ + other_rows_);
+  tasks_.clear();
+  task_columns_.clear();
+  std::size_t next_quintic = 0;
+  std::size_t next_other = quintic_rows_;
+  for (std::size_t begin = 0; begin < stretches_.size();) {
+    const std::uint32_t number = stretches_[begin].column;
+    std::size_t end = begin + 1;
+    while (end < stretches_.size() && stretches_[end].column == number) ++end;
+    Column& column = columns_[number];
+    const std::span<const Stretch> parts(stretches_.data() + begin, end - begin);
+    if (parts.front().shape == Shape::quintic) {
+      column.first_x = next_quintic;
+      next_quintic += column.rows();
+      add_tasks(parts, column);
+    } else {
+      column.first_x = next_other;
+      next_other += column.rows();
+      for (const Stretch& part : parts) solve_directly(part, column);
+    }
+    begin = end;
   }
-  xs_.resize(total);
-  for (const Stretch& stretch : stretches_) {
-    Column& column = columns_[stretch.column];
-    double* xs = xs_.data() + column.first_x + (stretch.first_row - column.first_row);
-    column.failed += static_cast<std::uint32_t>(solve(stretch, xs));
+  depth_kernel().solve(tasks_.data(), tasks_.size(), kRowResidual, xs_.data());
+  for (std::size_t i = 0; i < tasks_.size(); ++i) {
+    columns_[task_columns_[i]].failed += static_cast<std::uint32_t>(tasks_[i].failed);
   }
 }
 
-std::size_t RowColumns::solve(const Stretch& stretch, double* xs) const {
-  const double* rows = rows_.data() + stretch.first_row;
-  const std::size_t count = stretch.last_row - stretch.first_row;
-  const DepthKernel& kernel = depth_kernel();
-  if (stretch.shape == Shape::round) {
-    kernel.round(rounds_[stretch.piece], rows, count, xs);
-    return 0;
+/// In ascending order of the rows: the kernel puts the xs of all tasks one after the other.
+void RowColumns::add_tasks(std::span<const Stretch> parts, const Column& column) {
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const Stretch& part = parts[column.is_exit() ? i : parts.size() - 1 - i];
+    const ArcPiece& piece = pieces_[part.piece];
+    const std::size_t count = part.last_row - part.first_row;
+    tasks_.push_back({piece.x.data(), piece.y.data(), part.t_begin, part.t_end, rows_.data() + part.first_row, count});
+    task_columns_.push_back(part.column);
   }
-  const ArcPiece& piece = pieces_[stretch.piece];
-  if (stretch.shape == Shape::straight) {
-    kernel.line({piece.x[0], piece.x[1], piece.y[0], piece.y[1]}, rows, count, xs);
-    return 0;
+}
+
+void RowColumns::solve_directly(const Stretch& part, const Column& column) {
+  const double* rows = rows_.data() + part.first_row;
+  const std::size_t count = part.last_row - part.first_row;
+  double* xs = xs_.data() + column.first_x + (part.first_row - column.first_row);
+  if (part.shape == Shape::round) {
+    depth_kernel().round(rounds_[part.piece], rows, count, xs);
+  } else {
+    const ArcPiece& piece = pieces_[part.piece];
+    depth_kernel().line({piece.x[0], piece.x[1], piece.y[0], piece.y[1]}, rows, count, xs);
   }
-  return kernel.solve({piece.x.data(), piece.y.data(), stretch.t_begin, stretch.t_end}, rows, count, kRowResidual, xs);
 }
 
 }  // namespace lamella::span

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "model/scene.h"
@@ -65,7 +66,8 @@ class RowColumns {
   void add_stretch(const Source& source, std::uint32_t from_row, std::uint32_t to_row, Stretch stretch);
   [[nodiscard]] std::uint32_t first_row_at(double y) const;
   void solve();
-  [[nodiscard]] std::size_t solve(const Stretch& stretch, double* xs) const;
+  void add_tasks(std::span<const Stretch> parts, const Column& column);
+  void solve_directly(const Stretch& part, const Column& column);
 
   std::vector<double> rows_;  ///< y of each row
   double inverse_spacing_ = 1.0;
@@ -74,6 +76,10 @@ class RowColumns {
   std::vector<Stretch> stretches_;
   std::vector<RoundTask> rounds_;
   std::vector<Column> columns_;
+  std::size_t quintic_rows_ = 0;  ///< crossings of quintics, whose xs come first
+  std::size_t other_rows_ = 0;
+  std::vector<DepthTask> tasks_;
+  std::vector<std::uint32_t> task_columns_;
   std::vector<double> xs_;
 };
 
