@@ -110,8 +110,8 @@ inline double value(const Lanes::Array (&c)[6], std::size_t i, double t) {
 }
 
 /// Solves (s^2 + first s (1-s)) / (1 + excess s (1-s)) = w for s (Gregory and Delbourgo 1982).
-inline void guess(Lanes& lanes) {
-  for (std::size_t i = 0; i < kLanes; ++i) {
+inline void guess(Lanes& lanes, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) {
     const double w = clamp((lanes.row[i] - lanes.y_begin[i]) * lanes.per_rise[i], 0.0, 1.0);
     const double a = 1.0 - lanes.first[i] + w * lanes.excess[i];
     const double b = lanes.first[i] - w * lanes.excess[i];
@@ -123,8 +123,8 @@ inline void guess(Lanes& lanes) {
   }
 }
 
-inline void step(Lanes& lanes) {
-  for (std::size_t i = 0; i < kLanes; ++i) {
+inline void step(Lanes& lanes, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) {
     const double t = lanes.t[i];
     const double d = lanes.y[1][i] + t * (lanes.slope[0][i] +
                                           t * (lanes.slope[1][i] + t * (lanes.slope[2][i] + t * lanes.slope[3][i])));
@@ -171,8 +171,8 @@ struct Part {
 /// Solves `used` lanes.
 void solve(Lanes& lanes, std::size_t used, const Part* parts, std::size_t part_count, DepthTask* tasks, double residual,
            double* xs) {
-  guess(lanes);
-  for (int k = 0; k < kSteps; ++k) step(lanes);
+  guess(lanes, used);
+  for (int k = 0; k < kSteps; ++k) step(lanes, used);
   if (finish(lanes, used, residual, xs)) return;
   for (const Part* part = parts; part != parts + part_count; ++part) {
     const std::size_t at = part->lane;
@@ -224,7 +224,7 @@ void LAMELLA_NAME(blend, LAMELLA_LEVEL)(const double* coefficients, std::size_t 
 }
 
 void LAMELLA_NAME(solve, LAMELLA_LEVEL)(DepthTask* tasks, std::size_t count, double residual, double* xs) {
-  Lanes lanes = {};  // those never filled are solved as well
+  Lanes lanes;
   Part parts[kLanes];
   std::size_t part_count = 0;
   std::size_t used = 0;

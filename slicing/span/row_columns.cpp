@@ -88,8 +88,11 @@ void RowColumns::find(const Scene& scene, const Section& section, const RowLatti
 
 void RowColumns::lay_rows(const RowLattice& lattice) {
   rows_.resize(lattice.rows());
-  for (std::size_t r = 0; r < rows_.size(); ++r) {
-    rows_[r] = lattice.position(lattice.first_row + static_cast<std::int64_t>(r));
+  // RowLattice::position with its sum of integers done in floating point, where it is exact as well and makes vectors.
+  const auto first = static_cast<double>(lattice.first_row);
+  const auto count = static_cast<std::int32_t>(rows_.size());
+  for (std::int32_t r = 0; r < count; ++r) {
+    rows_[static_cast<std::size_t>(r)] = lattice.anchor + (first + r + 0.5) * lattice.spacing;
   }
   inverse_spacing_ = 1.0 / lattice.spacing;
 }

@@ -33,10 +33,8 @@ bool is_below(const double* a, const double* b, std::size_t count) {
 
 double order_tolerance(const Solid& solid) { return std::max(kLeastTolerance, solid.info.max_tolerance); }
 
-RowSweep::RowSweep(const Scene& scene)
-    : winding_(scene.solids.size(), 0), open_span_(scene.solids.size(), 0), off_since_(scene.solids.size(), 0.0) {
-  tolerance_.reserve(scene.solids.size());
-  for (const Solid& solid : scene.solids) tolerance_.push_back(order_tolerance(solid));
+RowSweep::RowSweep(const Scene& scene) : solids_(scene.solids.size()) {
+  for (const SolidId id : scene.solids.ids()) solids_[id.value()].tolerance = order_tolerance(scene.solids[id]);
 }
 
 void RowSweep::sweep(const RowColumns& columns, SpanRows& rows, LayerSpans& out) {
@@ -109,34 +107,54 @@ void RowSweep::sort_crossings(std::size_t added) {
   std::inplace_merge(first, middle, last, before);
 }
 
+/// Finds which crossings bound each solid's spans on the current row.
 void RowSweep::find_bounds() {
   bounds_.clear();
   is_regular_ = true;
   for (std::uint32_t i = 0; i < crossings_.size(); ++i) {
     const Column& column = *crossings_[i].column;
-    std::int32_t& winding = winding_[column.solid.value()];
-    is_regular_ &= winding == (column.is_exit() ? 1 : 0);
+    SolidState& solid = solids_[column.solid.value()];
+    is_regular_ &= solid.winding == (column.is_exit() ? 1 : 0);
     if (!is_regular_) break;
-    winding = 1 - winding;
-    std::uint64_t& open = open_span_[column.solid.value()];
+    solid.winding = 1 - solid.winding;
     if (column.is_exit()) {
-      bounds_[open].leaves = i;
+      bounds_[solid.open].leaves = i;
     } else {
-      open = bounds_.size();
+      solid.open = bounds_.size();
       bounds_.push_back({i, i});
     }
   }
   is_regular_ &= 2 * bounds_.size() == crossings_.size();
-  if (is_regular_) return;
-  for (const Crossing& crossing : crossings_) winding_[crossing.column->solid.value()] = 0;
+  if (!is_regular_) {
+    bounds_.clear();
+    for (const Crossing& crossing : crossings_) solids_[crossing.column->solid.value()].winding = 0;
+  }
+  find_order();
+}
+
+/// Finds which crossings must keep their order for bounds_ to stay right, or the windings if there are none.
+void RowSweep::find_order() {
+  order_.clear();
+  ++searches_;
+  for (std::uint32_t i = 0; i < crossings_.size(); ++i) {
+    SolidState& solid = solids_[crossings_[i].column->solid.value()];
+    if (solid.met == searches_) order_.push_back({solid.last, i});
+    solid.met = searches_;
+    solid.last = i;
+  }
+  for (std::size_t k = 1; k < bounds_.size(); ++k) {
+    const Order entries{bounds_[k - 1].enters, bounds_[k].enters};
+    const bool is_known = crossings_[entries.before].column->solid == crossings_[entries.after].column->solid;
+    if (!is_known) order_.push_back(entries);
+  }
 }
 
 /// How many of the next `count` rows have their crossings in the order of the current one; at least that itself.
 std::size_t RowSweep::rows_in_order(std::size_t count) {
   has_ties_ = false;
-  for (std::size_t i = 1; i < crossings_.size(); ++i) {
-    const Crossing& a = crossings_[i - 1];
-    const Crossing& b = crossings_[i];
+  for (const Order& order : order_) {
+    const Crossing& a = crossings_[order.before];
+    const Crossing& b = crossings_[order.after];
     if (is_below(a.xs, b.xs, count)) continue;
     const bool may_tie = a.column->tag <= b.column->tag;
     std::size_t row = 0;
@@ -178,14 +196,14 @@ void RowSweep::write_bounded(std::size_t count, std::uint64_t* row_end) {
   const std::size_t width = bounds_.size();
   Span* const first = spans_.data() + span_count_;
   for (std::size_t k = 0; k < width; ++k) {
-    const Crossing& enters = crossings_[bounds_[k].enters];
-    const Crossing& leaves = crossings_[bounds_[k].leaves];
-    const Span kind{0.0, 0.0, enters.column->solid, enters.column->face, leaves.column->face};
-    for (std::size_t i = 0; i < count; ++i) {
-      Span& span = first[i * width + k];
-      span = kind;
-      span.begin = enters.xs[i];
-      span.end = leaves.xs[i];
+    const Crossing enters = crossings_[bounds_[k].enters];
+    const Crossing leaves = crossings_[bounds_[k].leaves];
+    const SolidId solid = enters.column->solid;
+    const FaceId face_in = enters.column->face;
+    const FaceId face_out = leaves.column->face;
+    Span* span = first + k;
+    for (std::size_t i = 0; i < count; ++i, span += width) {
+      *span = {enters.xs[i], leaves.xs[i], solid, face_in, face_out};
     }
   }
   for (std::size_t i = 0; i < count; ++i) row_end[i] = span_count_ += width;
@@ -196,15 +214,15 @@ void RowSweep::write_bounded(std::size_t count, std::uint64_t* row_end) {
   }
 }
 
+/// `before`: the winding of the column's solid before the crossing at x.
 void RowSweep::note_winding(const Column& column, std::int32_t before, double x, LayerSpans& out) {
-  const SolidId solid = column.solid;
-  const std::int32_t now = winding_[solid.value()];
+  SolidState& solid = solids_[column.solid.value()];
   const auto is_off = [](std::int32_t winding) { return winding < 0 || winding > 1; };
-  if (!is_off(before) && is_off(now)) {
-    off_since_[solid.value()] = x;
-  } else if (is_off(before) && !is_off(now) && x - off_since_[solid.value()] > tolerance_[solid.value()]) {
+  if (!is_off(before) && is_off(solid.winding)) {
+    solid.off_since = x;
+  } else if (is_off(before) && !is_off(solid.winding) && x - solid.off_since > solid.tolerance) {
     ++out.cast.repaired_rays;
-    note_failed(out.failed, {Check::winding, solid, column.face, 1, x - off_since_[solid.value()]});
+    note_failed(out.failed, {Check::winding, column.solid, column.face, 1, x - solid.off_since});
   }
 }
 
@@ -214,14 +232,14 @@ void RowSweep::write_by_winding(std::uint64_t* row_end, LayerSpans& out) {
   for (const Crossing& crossing : crossings_) {
     const Column& column = *crossing.column;
     const double x = *crossing.xs;
-    std::int32_t& winding = winding_[column.solid.value()];
-    const std::int32_t before = std::exchange(winding, winding + (column.is_exit() ? -1 : 1));
+    SolidState& solid = solids_[column.solid.value()];
+    const std::int32_t before = std::exchange(solid.winding, solid.winding + (column.is_exit() ? -1 : 1));
     note_winding(column, before, x, out);
-    if (!column.is_exit() && winding == 1) {
-      open_span_[column.solid.value()] = span_count_;
+    if (!column.is_exit() && solid.winding == 1) {
+      solid.open = span_count_;
       spans_[span_count_++] = {x, x, column.solid, column.face, {}};
-    } else if (column.is_exit() && winding == 0) {
-      Span& span = spans_[open_span_[column.solid.value()]];
+    } else if (column.is_exit() && solid.winding == 0) {
+      Span& span = spans_[solid.open];
       span.end = x;
       span.face_out = column.face;
     }
@@ -236,7 +254,7 @@ void RowSweep::write_by_winding(std::uint64_t* row_end, LayerSpans& out) {
 void RowSweep::close_solids(LayerSpans& out) {
   for (const Crossing& crossing : crossings_) {
     const SolidId solid = crossing.column->solid;
-    if (std::exchange(winding_[solid.value()], 0) == 0) continue;
+    if (std::exchange(solids_[solid.value()].winding, 0) == 0) continue;
     ++out.cast.unclosed_rays;
     note_failed(out.failed, {Check::closure, solid, {}, 1});
   }

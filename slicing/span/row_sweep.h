@@ -15,6 +15,8 @@ namespace lamella::span {
 /// Sweeps over the rows of a lattice with the columns that cross each, ascending in x, and writes the spans between
 /// them. From one row on which a column begins or ends to the next, the same columns are crossed, nearly always in the
 /// same order: then each solid's spans are bounded by the same columns too, so that only xs are left to be written.
+/// Where two solids touch, rounding orders their crossings anew on every row; that matters to neither's bounds, so only
+/// those of each solid, and the entries of all spans, must keep their order.
 class RowSweep {
  public:
   explicit RowSweep(const Scene& scene);
@@ -38,6 +40,19 @@ class RowSweep {
     std::uint32_t enters = 0;
     std::uint32_t leaves = 0;
   };
+  /// Crossings whose order decides on bounds_, numbers in crossings_.
+  struct Order {
+    std::uint32_t before = 0;
+    std::uint32_t after = 0;
+  };
+  struct SolidState {
+    std::int32_t winding = 0;
+    std::uint32_t last = 0;  ///< its last crossing so far, if it was met
+    std::uint64_t met = 0;   ///< number of the search in which it was
+    std::size_t open = 0;    ///< its last span
+    double off_since = 0.0;  ///< where its winding left {0, 1}
+    double tolerance = 0.0;  ///< mm: how long it may be off
+  };
 
   void start(const RowColumns& columns, SpanRows& rows);
   void end_columns(std::uint32_t row);
@@ -45,6 +60,7 @@ class RowSweep {
   [[nodiscard]] std::uint32_t next_change(std::uint32_t row) const;
   void sort_crossings(std::size_t added);
   void find_bounds();
+  void find_order();
   void write_run(std::uint32_t row, std::uint32_t end, std::uint64_t* row_end, LayerSpans& out);
   std::size_t rows_in_order(std::size_t count);
   void write_bounded(std::size_t count, std::uint64_t* row_end);
@@ -56,14 +72,13 @@ class RowSweep {
   std::vector<std::uint32_t> begins_too_;  ///< per column: the same, for another one on the same row
   std::vector<Crossing> crossings_;        ///< of the current row, ascending
   std::vector<Bounds> bounds_;             ///< in the order of their entries
-  bool is_regular_ = true;                 ///< bounds_ are right: no solid's winding leaves {0, 1}
-  bool has_ties_ = false;                  ///< among the rows last looked at
-  std::vector<Span> spans_;                ///< room for as many as there can be
+  std::vector<Order> order_;
+  std::uint64_t searches_ = 0;
+  bool is_regular_ = true;   ///< no solid's winding leaves {0, 1}; else there are no bounds_
+  bool has_ties_ = false;    ///< among the rows last looked at
+  std::vector<Span> spans_;  ///< room for as many as there can be
   std::size_t span_count_ = 0;
-  std::vector<std::int32_t> winding_;     ///< per solid
-  std::vector<std::uint64_t> open_span_;  ///< per solid
-  std::vector<double> off_since_;         ///< per solid: where its winding left {0, 1}
-  std::vector<double> tolerance_;         ///< per solid, mm: how long it may be off
+  std::vector<SolidState> solids_;
 };
 
 }  // namespace lamella::span
