@@ -149,7 +149,7 @@ void RowSweep::find_order() {
   }
 }
 
-/// How many of the next `count` rows have their crossings in the order of the current one; at least that itself.
+/// How many of the next `count` rows have their crossings in order.
 std::size_t RowSweep::rows_in_order(std::size_t count) {
   has_ties_ = false;
   for (const Order& order : order_) {
@@ -163,32 +163,41 @@ std::size_t RowSweep::rows_in_order(std::size_t count) {
     }
     count = row;
   }
-  return std::max<std::size_t>(count, 1);
+  return count;
 }
 
 /// Writes rows [row, end), between which no column begins or ends. `row_end` is where to put the end of the first
 /// row's spans.
 void RowSweep::write_run(std::uint32_t row, std::uint32_t end, std::uint64_t* row_end, LayerSpans& out) {
   std::size_t left = end - row;
-  for (std::size_t look_ahead = left; left > 0;) {
+  std::size_t look_ahead = left;
+  for (bool is_sorted = true; left > 0;) {
     const std::size_t looked_at = std::min(left, look_ahead);
-    const std::size_t count = rows_in_order(looked_at);
-    if (is_regular_) {
-      write_bounded(count, row_end);
-      for (Crossing& crossing : crossings_) crossing.xs += count;
-    } else {
-      for (std::size_t i = 0; i < count; ++i) {
-        write_by_winding(row_end + i, out);
-        for (Crossing& crossing : crossings_) ++crossing.xs;
-      }
-    }
+    std::size_t count = rows_in_order(looked_at);
+    // A row that has been sorted is in order, unless its xs aren't numbers; it must be written all the same.
+    if (is_sorted) count = std::max<std::size_t>(count, 1);
+    write_rows(count, row_end, out);
     row_end += count;
     left -= count;
     look_ahead *= 2;
-    if (count == looked_at || left == 0) continue;
+    is_sorted = count < looked_at;
+    if (!is_sorted) continue;
     look_ahead = kLookAhead;
     sort_crossings(0);
     find_bounds();
+  }
+}
+
+/// Writes the next `count` rows, which have their crossings in order.
+void RowSweep::write_rows(std::size_t count, std::uint64_t* row_end, LayerSpans& out) {
+  if (is_regular_) {
+    write_bounded(count, row_end);
+    for (Crossing& crossing : crossings_) crossing.xs += count;
+    return;
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    write_by_winding(row_end + i, out);
+    for (Crossing& crossing : crossings_) ++crossing.xs;
   }
 }
 

@@ -63,6 +63,7 @@ class RowSweep {
   void find_order();
   void write_run(std::uint32_t row, std::uint32_t end, std::uint64_t* row_end, LayerSpans& out);
   std::size_t rows_in_order(std::size_t count);
+  void write_rows(std::size_t count, std::uint64_t* row_end, LayerSpans& out);
   void write_bounded(std::size_t count, std::uint64_t* row_end);
   void write_by_winding(std::uint64_t* row_end, LayerSpans& out);
   void close_solids(LayerSpans& out);
