@@ -31,7 +31,7 @@ struct Stretch {
   double end = 1.0;
   std::vector<double> rows;
 
-  [[nodiscard]] DepthTask task() const { return {x.data(), y.data(), begin, end}; }
+  [[nodiscard]] DepthTask task() const { return {x.data(), y.data(), begin, end, rows.data(), rows.size()}; }
 };
 
 /// y' = a square times a positive factor, so that y is monotone and may turn flat inside or at an end.
@@ -80,13 +80,22 @@ std::span<const DepthKernel> all_kernels() {
 
 constexpr double kResidual = 1e-9;  ///< mm
 
+/// The xs of one stretch; `failed` is how many rows the kernel gave up.
+std::vector<double> solve(const DepthKernel& kernel, const Stretch& stretch, std::size_t& failed) {
+  std::vector<double> xs(stretch.rows.size());
+  DepthTask task = stretch.task();
+  kernel.solve(&task, 1, kResidual, xs.data());
+  failed = task.failed;
+  return xs;
+}
+
 TEST(DepthKernel, FindsEveryRowOfRandomStretches) {
   for (const DepthKernel& kernel : all_kernels()) {
     std::mt19937_64 random(1);
     for (int k = 0; k < 2000; ++k) {
       const Stretch stretch = random_stretch(random);
-      std::vector<double> xs(stretch.rows.size());
-      const std::size_t failed = kernel.solve(stretch.task(), stretch.rows.data(), xs.size(), kResidual, xs.data());
+      std::size_t failed = 0;
+      const std::vector<double> xs = solve(kernel, stretch, failed);
       EXPECT_EQ(failed, 0U) << kernel.level;
       for (std::size_t i = 0; i < xs.size(); ++i) {
         // What a row within the residual has, plus rounding.
@@ -102,12 +111,59 @@ TEST(DepthKernel, FindsEveryRowOfRandomStretches) {
 }
 
 TEST(DepthKernel, GivesTheEndForRowsBeyondTheStretch) {
-  const Stretch stretch{{1.0, 2.0, 0, 0, 0, 0}, {5.0, -3.0, 0, 0, 0, 0}, 0.25, 0.75, {}};
-  const std::array<double, 4> rows{-1e3, 5.0 - 0.75 * 3.0 - 1e-3, 5.0 - 0.25 * 3.0 + 1e-3, 1e3};
+  const std::vector<double> rows{-1e3, 5.0 - 0.75 * 3.0 - 1e-3, 5.0 - 0.25 * 3.0 + 1e-3, 1e3};
+  const Stretch stretch{{1.0, 2.0, 0, 0, 0, 0}, {5.0, -3.0, 0, 0, 0, 0}, 0.25, 0.75, rows};
   for (const DepthKernel& kernel : all_kernels()) {
+    std::size_t failed = 0;
+    EXPECT_EQ(solve(kernel, stretch, failed), (std::vector<double>{2.5, 2.5, 1.5, 1.5})) << kernel.level;
+    EXPECT_EQ(failed, 0U);
+  }
+}
+
+TEST(DepthKernel, SolvesManyStretchesAsItSolvesEach) {
+  std::mt19937_64 random(5);
+  std::vector<Stretch> stretches(500);
+  for (Stretch& stretch : stretches) {
+    stretch = random_stretch(random);
+    if (random() % 4 != 0) stretch.rows.resize(std::min<std::size_t>(stretch.rows.size(), random() % 12));
+  }
+  for (const DepthKernel& kernel : all_kernels()) {
+    std::vector<DepthTask> tasks;
+    std::vector<double> each;
+    for (const Stretch& stretch : stretches) {
+      tasks.push_back(stretch.task());
+      std::size_t failed = 0;
+      const std::vector<double> xs = solve(kernel, stretch, failed);
+      each.insert(each.end(), xs.begin(), xs.end());
+    }
+    std::vector<double> all(each.size());
+    kernel.solve(tasks.data(), tasks.size(), kResidual, all.data());
+    EXPECT_EQ(std::memcmp(all.data(), each.data(), all.size() * sizeof(double)), 0) << kernel.level;
+  }
+}
+
+TEST(DepthKernel, CountsRowsThatItCannotMeetByStretch) {
+  const Stretch sound{{0, 1, 0, 0, 0, 0}, {0, 1, 0, 0, 0, 0}, 0.0, 1.0, {0.25, 0.5}};
+  // So steep that no number of steps that is worth while finds a row.
+  const Stretch broken{{0, 1, 0, 0, 0, 0}, {0, 1e-3, 0, 0, 0, 1e300}, 0.0, 1.0, {0.25, 0.5, 0.75}};
+  for (const DepthKernel& kernel : all_kernels()) {
+    std::array<DepthTask, 3> tasks{sound.task(), broken.task(), sound.task()};
+    std::array<double, 7> xs{};
+    kernel.solve(tasks.data(), tasks.size(), kResidual, xs.data());
+    EXPECT_EQ(tasks[0].failed, 0U) << kernel.level;
+    EXPECT_EQ(tasks[1].failed, 3U) << kernel.level;
+    EXPECT_EQ(tasks[2].failed, 0U) << kernel.level;
+  }
+}
+
+TEST(DepthKernel, FindsRowsOnChords) {
+  for (const DepthKernel& kernel : all_kernels()) {
+    const std::array<double, 4> rows{-1.0, 1.0, 2.5, 7.0};
     std::array<double, 4> xs{};
-    EXPECT_EQ(kernel.solve(stretch.task(), rows.data(), rows.size(), kResidual, xs.data()), 0U);
-    EXPECT_EQ(xs, (std::array<double, 4>{2.5, 2.5, 1.5, 1.5})) << kernel.level;
+    kernel.line({10.0, 8.0, 1.0, 4.0}, rows.data(), rows.size(), xs.data());
+    EXPECT_EQ(xs, (std::array<double, 4>{10.0, 10.0, 13.0, 18.0})) << kernel.level;
+    kernel.line({10.0, 8.0, 1.0, 0.0}, rows.data(), rows.size(), xs.data());
+    EXPECT_EQ(xs, (std::array<double, 4>{10.0, 10.0, 10.0, 10.0})) << kernel.level;
   }
 }
 
@@ -150,9 +206,11 @@ std::vector<double> results_of(const DepthKernel& kernel) {
   std::vector<double> all;
   for (int k = 0; k < 3000; ++k) {
     const Stretch stretch = random_stretch(random);
-    std::vector<double> xs(stretch.rows.size());
-    all.push_back(
-        static_cast<double>(kernel.solve(stretch.task(), stretch.rows.data(), xs.size(), kResidual, xs.data())));
+    std::size_t failed = 0;
+    std::vector<double> xs = solve(kernel, stretch, failed);
+    all.push_back(static_cast<double>(failed));
+    all.insert(all.end(), xs.begin(), xs.end());
+    kernel.line({stretch.x[0], stretch.x[1], stretch.y[0], stretch.y[1]}, stretch.rows.data(), xs.size(), xs.data());
     all.insert(all.end(), xs.begin(), xs.end());
     kernel.round({stretch.x[0], stretch.y[0], std::abs(stretch.y[1]), stretch.x[1], stretch.x[2]}, stretch.rows.data(),
                  xs.size(), xs.data());
