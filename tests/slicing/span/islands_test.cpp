@@ -176,6 +176,9 @@ INSTANTIATE_TEST_SUITE_P(Smooth, Islands, testing::Combine(kSeeds, testing::Valu
 INSTANTIATE_TEST_SUITE_P(Creased, Islands, testing::Combine(kSeeds, testing::Values(true)));
 // A section that went on beyond a crease as if there were none, between two points within their cell.
 INSTANTIATE_TEST_SUITE_P(BulgingOverACrease, Islands, testing::Values(std::tuple(std::uint64_t{187}, true)));
+// Newton's iteration for a node or a cut's crossing that went to and fro over a corner of the curve.
+INSTANTIATE_TEST_SUITE_P(NewtonOverACorner, Islands,
+                         testing::Values(std::tuple(std::uint64_t{606}, true), std::tuple(std::uint64_t{718}, true)));
 
 }  // namespace
 }  // namespace lamella
