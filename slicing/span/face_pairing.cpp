@@ -305,7 +305,7 @@ void FaceSection::find_roots(double z) {
     for (std::uint32_t piece = 0; piece < line.pieces.size(); ++piece) {
       if (!line.pieces[piece].crosses(z)) continue;
       const Crossing crossing = find_crossing(line.curve, line.pieces[piece], z, std::nan(""));
-      roots_.push_back({cut, piece, crossing.t, crossing.at.point.head<2>(), false});
+      roots_.push_back({cut, piece, crossing.t, crossing.at.point.head<2>(), crossing.at.dt.head<2>(), false});
     }
   }
   roots_by_x_.resize(roots_.size());
@@ -327,23 +327,36 @@ void FaceSection::visit_roots(const Family& family, double z) {
     const double last = from.x() + std::max(chord.x(), 0.0) + reach;
     for (; next != roots_by_x_.end() && roots_[*next].xy.x() <= last; ++next) {
       CutRoot& root = roots_[*next];
-      if (!root.visited) root.visited = passes_through(piece, from, chord, root.xy, limits_.landing);
+      if (!root.visited) root.visited = passes_through(piece, from, chord, root);
     }
   }
 }
 
-bool FaceSection::passes_through(const ArcPiece& piece, const Vec2& from, const Vec2& chord, const Vec2& xy,
-                                 double slack) {
+bool FaceSection::passes_through(const ArcPiece& piece, const Vec2& from, const Vec2& chord,
+                                 const CutRoot& root) const {
+  const double slack = limits_.landing;
   const double square = chord.squaredNorm();
-  double t = std::clamp(chord.dot(xy - from) / square, 0.0, 1.0);
+  double t = std::clamp(chord.dot(root.xy - from) / square, 0.0, 1.0);
   // An arc that turns by less than 0.7 stays within a fifth of its chord from it.
-  if ((xy - from - t * chord).squaredNorm() > 0.04 * square + slack * slack) return false;
+  if ((root.xy - from - t * chord).squaredNorm() > 0.04 * square + slack * slack) return false;
   constexpr int kSteps = 5;
   for (int i = 0; i < kSteps; ++i) {
     const Vec2 slope = piece.slope(t);
-    t = std::clamp(t + slope.dot(xy - piece.at(t)) / slope.squaredNorm(), 0.0, 1.0);
+    t = std::clamp(t + slope.dot(root.xy - piece.at(t)) / slope.squaredNorm(), 0.0, 1.0);
   }
-  return (xy - piece.at(t)).squaredNorm() <= slack * slack;
+  return (root.xy - piece.at(t)).squaredNorm() <= slack * slack && crosses_as(root, piece.slope(t));
+}
+
+bool FaceSection::crosses_as(const CutRoot& root, const Vec2& slope) const {
+  const CutLine& line = face_->cuts[root.cut];
+  const Vec2 uv(root.u, line.v);
+  const SurfacePoint at = face_->surface.evaluate_slopes(uv, face_->surface.find_cell(uv, Vec2::Zero()));
+  // In the plane S_u x (z x n) = -S_u.z n.z, n the outward normal.
+  const double expected = face_->sign * at.normal().z() * (line.pieces[root.piece].rises() ? -1.0 : 1.0);
+  const double side = root.along.x() * slope.y() - root.along.y() * slope.x();
+  // On an upright face the section runs along the cut as seen from above, and says nothing.
+  constexpr double kParallel = 1e-6;
+  return !(side * expected < 0.0 && std::abs(side) > kParallel * root.along.norm() * slope.norm());
 }
 
 void FaceSection::find_loops(double z, Section& out) {

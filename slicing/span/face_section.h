@@ -78,6 +78,16 @@ class FaceSection {
     bool usable = false;
   };
 
+  /// Where a cut crosses the layer.
+  struct CutRoot {
+    std::uint32_t cut = 0;
+    std::uint32_t piece = 0;
+    double u = 0.0;
+    Vec2 xy = Vec2::Zero();
+    Vec2 along = Vec2::Zero();  ///< the cut's direction there
+    bool visited = false;       ///< an arc that is known passes through it
+  };
+
   void enter_band(std::size_t band, double z, NodeTable& nodes, SectionCounters& counters);
   void pair_plane(double z, const NodeTable& nodes);
   void pair_round(double z, const NodeTable& nodes);
@@ -90,9 +100,11 @@ class FaceSection {
   void pair_rest();
   void find_roots(double z);
   void visit_roots(const Family& family, double z);
-  /// Whether a point of the layer lies on an arc's piece, given by its first point and chord as well.
-  [[nodiscard]] static bool passes_through(const ArcPiece& piece, const Vec2& from, const Vec2& chord, const Vec2& xy,
-                                           double slack);
+  /// Whether a root lies on an arc's piece, given by its first point and chord as well.
+  [[nodiscard]] bool passes_through(const ArcPiece& piece, const Vec2& from, const Vec2& chord,
+                                    const CutRoot& root) const;
+  /// Whether a section that goes through a root along `slope` crosses the cut there as the height along the cut has it.
+  [[nodiscard]] bool crosses_as(const CutRoot& root, const Vec2& slope) const;
   void find_loops(double z, Section& out);
 
   void cut_plane(double z, NodeTable& nodes, Section& out) const;
@@ -152,13 +164,6 @@ class FaceSection {
   TracedArc backward_;
 
   // Of the band being entered.
-  struct CutRoot {
-    std::uint32_t cut = 0;
-    std::uint32_t piece = 0;
-    double u = 0.0;
-    Vec2 xy = Vec2::Zero();
-    bool visited = false;  ///< an arc that is known passes through it
-  };
   std::vector<std::uint32_t> starts_;  ///< uses that cross the band
   std::vector<std::uint32_t> ends_;
   std::vector<FacePoint> points_;  ///< one a use
