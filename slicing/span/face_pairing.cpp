@@ -244,6 +244,10 @@ void FaceSection::join(std::uint32_t begin, std::uint32_t end) {
 }
 
 void FaceSection::pair_neighbors() {
+  std::vector<SectionPoint> ends;
+  for (const std::uint32_t end : ends_) {
+    if (is_paired_[end] == 0 && points_[end].usable) ends.push_back(points_[end].point);
+  }
   std::vector<std::uint32_t> crossing = starts_;
   crossing.insert(crossing.end(), ends_.begin(), ends_.end());
   std::sort(crossing.begin(), crossing.end());
@@ -256,7 +260,7 @@ void FaceSection::pair_neighbors() {
       if (is_paired_[a] != 0 || is_paired_[b] != 0) continue;
       if (face_->uses[a].ends_arc == face_->uses[b].ends_arc) continue;
       if (face_->uses[a].ends_arc) std::swap(a, b);
-      if (points_[a].usable && points_[b].usable && are_joined(points_[a], points_[b])) join(a, b);
+      if (points_[a].usable && points_[b].usable && are_joined(points_[a], points_[b], ends)) join(a, b);
     }
     first = last;
   }
@@ -382,8 +386,13 @@ void FaceSection::find_loops(double z, Section& out) {
       if (side == TrimRegion::Side::inside) out.lost_loops.push_back(face_->id);
       continue;
     }
-    // What runs into an end node is an arc that has been found already.
-    if (family.carried.arc.target != 0) continue;
+    // What runs into an end node is an arc that has been found already. If that one was followed, and not through here,
+    // one of the two is wrong.
+    if (const std::size_t target = family.carried.arc.target; target != 0) {
+      const bool is_off = (end_points_[target].xy - seed.point.xy).norm() > 2.0 * face_->tolerance + limits_.landing;
+      if (side == TrimRegion::Side::inside && is_known_[target] != 0 && is_off) out.lost_loops.push_back(face_->id);
+      continue;
+    }
     family.carried.start(z);
     visit_roots(family, z);
     families_.push_back(std::move(family));

@@ -114,7 +114,8 @@ class FaceSection {
   void drop_pierced_families(double inner, NodeTable& nodes);
   void pieces_of(const Family& family, double inner);
   [[nodiscard]] static bool passes_near(const std::vector<ArcPiece>& pieces, const Vec2& xy);
-  void cut_arc(Family& family, const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters);
+  /// False if the arc, or a part of it, couldn't be followed.
+  bool cut_arc(Family& family, const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters);
   [[nodiscard]] FacePoint layer_point(std::uint32_t use, double z, double inner, NodeTable& nodes) const;
   bool keeps_to_nodes(const Family& family, const ArcPiece* pieces, std::uint32_t count, NodeTable& nodes) const;
   bool cut_by_sheet(Family& family, double inner, NodeTable& nodes, Section& out) const;
@@ -137,7 +138,12 @@ class FaceSection {
   [[nodiscard]] FacePoint face_point(const PieceUse& use, const Node& node, double z) const;
   [[nodiscard]] FacePoint cut_point(const Family& family, double z) const;
   [[nodiscard]] bool lie_together(const FacePoint& begin, const FacePoint& end) const;
-  [[nodiscard]] bool are_joined(const FacePoint& begin, const FacePoint& end) const;
+  /// Whether an arc between two points is none: it has vanished, or is inverted within the tolerance. `ends` are those
+  /// that it may have if it is one all the same.
+  [[nodiscard]] bool are_joined(const FacePoint& begin, const FacePoint& end, std::span<const SectionPoint> ends);
+  /// Whether the section from a point can be followed through the face to one of the ends.
+  [[nodiscard]] bool leads_to(const FacePoint& begin, std::span<const SectionPoint> ends);
+  [[nodiscard]] const TrimRegion& region();
   [[nodiscard]] bool is_whole_ellipse(double z, bool inner) const;
   [[nodiscard]] double chart_angle(const PieceUse& use, const Node& node, const PlaneEllipse& ellipse) const;
   [[nodiscard]] double sweep_between(const Family& family, double z, const Node& begin, const Node& end) const;
@@ -162,6 +168,7 @@ class FaceSection {
   std::vector<Family> families_;
   TracedArc traced_;
   TracedArc backward_;
+  std::optional<TrimRegion> own_region_;  ///< where the model has none
 
   // Of the band being entered.
   std::vector<std::uint32_t> starts_;  ///< uses that cross the band
@@ -172,6 +179,7 @@ class FaceSection {
   std::vector<std::uint32_t> roots_by_x_;
   std::vector<ArcPiece> pieces_;          ///< of the family being looked at
   std::vector<SectionPoint> end_points_;  ///< of the arcs on this layer, behind a place for a loop's seed
+  std::vector<std::uint8_t> is_known_;    ///< for each of them: its arc was followed from end to end
 };
 
 }  // namespace lamella::span
