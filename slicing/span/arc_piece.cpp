@@ -8,7 +8,7 @@ namespace lamella::span {
 namespace {
 
 /// Share of a cell by which a piece may bulge over its limit: it costs less than the accuracy.
-constexpr double kCellSlack = 1e-8;
+constexpr double kCellSlack = 1e-10;
 
 /// Value, first and second derivative at one end of a piece.
 struct EndData {

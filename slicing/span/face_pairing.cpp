@@ -186,18 +186,22 @@ void FaceSection::carry_families(double z, NodeTable& nodes, SectionCounters& co
 }
 
 void FaceSection::drop_pierced_families(double inner, NodeTable& nodes) {
-  // A border that begins at the event may cut through an arc that goes on analytically.
-  std::vector<Vec2> fresh;
+  // A border that begins at the event may cut through an arc that goes on analytically, and at a pass arcs part and
+  // join anew while their pieces may still fit.
+  std::vector<Vec2> places;
   for (const auto* uses : {&starts_, &ends_}) {
     for (const std::uint32_t use : *uses) {
-      if (is_paired_[use] == 0) fresh.push_back(nodes.node_at(face_->uses[use].piece, inner).xy);
+      if (is_paired_[use] == 0) places.push_back(nodes.node_at(face_->uses[use].piece, inner).xy);
     }
   }
+  for (const Pass& pass : face_->passes) {
+    if (pass.z >= last_z_ && pass.z <= heights_[layer_]) places.push_back(pass.xy);
+  }
   std::erase_if(families_, [&](const Family& family) {
-    if (fresh.empty()) return false;
+    if (places.empty()) return false;
     pieces_of(family, inner);
-    const auto is_pierced = [&](const Vec2& node) { return passes_near(pieces_, node); };
-    if (std::none_of(fresh.begin(), fresh.end(), is_pierced)) return false;
+    const auto is_pierced = [&](const Vec2& place) { return passes_near(pieces_, place); };
+    if (std::none_of(places.begin(), places.end(), is_pierced)) return false;
     if (family.cut < 0) is_paired_[family.begin] = is_paired_[family.end] = 0;
     return true;
   });

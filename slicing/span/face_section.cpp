@@ -94,6 +94,7 @@ void FaceSection::cut(std::size_t layer, NodeTable& nodes, Section& out, Section
       break;
   }
   counters.arcs += out.arcs.size() - before;
+  last_z_ = z;
 }
 
 double FaceSection::inner_height(double z) const {

@@ -163,6 +163,7 @@ class FaceSection {
   TraceLimits limits_;
   std::span<const double> heights_;
   std::size_t layer_ = 0;
+  double last_z_ = 0.0;  ///< height of the last layer that met the face
   std::optional<std::size_t> band_;
   bool entered_ = false;  ///< this layer is the first in its band
   std::vector<Family> families_;
