@@ -224,13 +224,18 @@ INSTANTIATE_TEST_SUITE_P(Smooth, Islands, testing::Combine(kSeeds, testing::Valu
 INSTANTIATE_TEST_SUITE_P(Creased, Islands, testing::Combine(kSeeds, testing::Values(true)));
 // A section that went on beyond a crease as if there were none, between two points within their cell.
 INSTANTIATE_TEST_SUITE_P(BulgingOverACrease, Islands, testing::Values(std::tuple(std::uint64_t{187}, true)));
+// A minimum on a crease that passed for a saddle, beside a knot.
+INSTANTIATE_TEST_SUITE_P(KnotByAMinimum, Islands, testing::Values(std::tuple(std::uint64_t{539}, true)));
 // Newton's iteration for a node or a cut's crossing that went to and fro over a corner of the curve.
 INSTANTIATE_TEST_SUITE_P(NewtonOverACorner, Islands,
                          testing::Values(std::tuple(std::uint64_t{606}, true), std::tuple(std::uint64_t{718}, true)));
 
-// A section by the corner of four cells; an arc that has nearly closed to a loop.
-INSTANTIATE_TEST_SUITE_P(ByACorner, SharpHeights, testing::Values<std::uint64_t>(24, 45, 78));
-INSTANTIATE_TEST_SUITE_P(NearlyClosed, SharpHeights, testing::Values<std::uint64_t>(36, 56));
+// A section by the corner of four cells.
+INSTANTIATE_TEST_SUITE_P(ByACorner, SharpHeights, testing::Values<std::uint64_t>(45, 78));
+// An arc that has nearly closed to a loop.
+INSTANTIATE_TEST_SUITE_P(NearlyClosed, SharpHeights, testing::Values<std::uint64_t>(36));
+// Arcs that part at a saddle between two layers, or at a saddle on a crease.
+INSTANTIATE_TEST_SUITE_P(Parting, SharpHeights, testing::Values<std::uint64_t>(24, 34, 56));
 
 }  // namespace
 }  // namespace lamella
