@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <type_traits>
 
@@ -74,6 +75,10 @@ class Crease {
     if (!(range.lo < range.hi)) return;
     const StationaryParameters found = find_stationary(iso_curve(spline_, along_v_, knot_), range, Vec3::UnitZ());
     for (const Interval& piece : found.flat) add_flat(piece);
+    turns_ = found.isolated;
+    turns_.insert(turns_.end(), {range.lo, range.hi});
+    for (const Interval& piece : found.flat) turns_.insert(turns_.end(), {piece.lo, piece.hi});
+    std::sort(turns_.begin(), turns_.end());
     const std::vector<double> others = crease_knots(spline_, !along_v_, range);
     for (const double t : found.isolated) {
       add_isolated(t, std::binary_search(others.begin(), others.end(), t));
@@ -136,19 +141,31 @@ class Crease {
     if (corner) {
       add_corner(t, room, slopes);
     } else if (is_critical_across(slopes)) {
-      collector_.add_point(place(knot_, t), kind_along(t, room, slopes.across[0] < 0.0));
+      collector_.add_point(place(knot_, t), kind_along(t, slopes.across[0] < 0.0));
     }
   }
 
-  /// Of a point on a crease that is a valley or a ridge.
-  [[nodiscard]] CriticalKind kind_along(double t, double room, bool valley) const {
+  /// Of a point on a crease that is a valley or a ridge: between two of its turns the height along it is monotone, so
+  /// that the next ones tell whether it rises from the point or falls, however near they or the knots are. What doesn't
+  /// differ by more than rounding is passed over; if all of it doesn't, an extremum is the safe answer.
+  [[nodiscard]] CriticalKind kind_along(double t, bool valley) const {
     const auto height = [&](double at) { return evaluate_point(collector_.surface(), place(knot_, at)).z(); };
     const double z = height(t);
-    const double before = height(t - 1e-4 * room) - z;
-    const double after = height(t + 1e-4 * room) - z;
-    if (valley && before > 0.0 && after > 0.0) return CriticalKind::minimum;
-    if (!valley && before < 0.0 && after < 0.0) return CriticalKind::maximum;
-    return CriticalKind::saddle;
+    const double noise = 1e-14 * (1.0 + std::abs(z));
+    const double way = valley ? 1.0 : -1.0;
+    const auto opposes = [&](auto turn, auto last) {
+      for (; turn != last; ++turn) {
+        const double rise = way * (height(*turn) - z);
+        if (std::abs(rise) > noise) return rise < 0.0;
+      }
+      return false;
+    };
+    const auto after = std::upper_bound(turns_.begin(), turns_.end(), t);
+    const auto before = std::lower_bound(turns_.begin(), turns_.end(), t);
+    if (opposes(after, turns_.end()) || opposes(std::reverse_iterator(before), turns_.rend())) {
+      return CriticalKind::saddle;
+    }
+    return valley ? CriticalKind::minimum : CriticalKind::maximum;
   }
 
   /// Between two of the four arms of the creases the height rises as a linear function does, so that its sign changes
@@ -178,6 +195,7 @@ class Crease {
   bool along_v_;
   double knot_;
   double room_across_;
+  std::vector<double> turns_;  ///< ascending: where the height along the crease may turn, and the ends of it
   CriticalCollector& collector_;
 };
 

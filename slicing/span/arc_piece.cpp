@@ -7,8 +7,9 @@ namespace lamella::span {
 
 namespace {
 
-/// Share of a cell by which a piece may bulge over its limit: it costs less than the accuracy.
-constexpr double kCellSlack = 1e-8;
+/// Share of a cell by which a piece may bulge over its limit: rounding only. By less than the accuracy is too much next
+/// to a saddle on a crease, where arcs that go on within the cell and arcs that leave it lie as near as that.
+constexpr double kCellSlack = 1e-10;
 
 /// Value, first and second derivative at one end of a piece.
 struct EndData {

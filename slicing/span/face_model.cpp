@@ -146,6 +146,9 @@ class Builder {
       if (model_.region->classify(point.uv, 1e-9 * bounds.sizes()) == TrimRegion::Side::outside) continue;
       heights_.push_back(point.z);
       if (point.kind != CriticalKind::saddle) add_cut(point.uv, bounds);
+      if (point.kind == CriticalKind::saddle || point.kind == CriticalKind::flat) {
+        model_.passes.push_back({evaluate_point(face_.surface, point.uv).head<2>(), point.z});
+      }
     }
     for (const LoopShape& shape : shapes_) {
       if (shape.area < 0.0) add_cut(shape.rightmost, bounds);

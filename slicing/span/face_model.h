@@ -54,6 +54,12 @@ struct CutLine {
   std::vector<MonotonePiece> pieces;
 };
 
+/// Where sections of a face change from one pair of neighbours to another: its saddles, and places without curvature.
+struct Pass {
+  Vec2 xy = Vec2::Zero();
+  double z = 0.0;
+};
+
 /// How a face is cut: by straight lines, by ellipses, or by tracing.
 enum class SectionKind { plane, round, traced };
 
@@ -71,6 +77,7 @@ struct FaceModel {
   std::vector<SectionCurve<2>> pcurves;
   std::vector<double> events;  ///< ascending heights between which the topology of the section doesn't change
   std::vector<CutLine> cuts;
+  std::vector<Pass> passes;
   std::optional<TrimRegion> region;  ///< only where a section may touch no edge
   bool complete = true;              ///< false when the search for critical heights hit its limit
 

@@ -186,18 +186,22 @@ void FaceSection::carry_families(double z, NodeTable& nodes, SectionCounters& co
 }
 
 void FaceSection::drop_pierced_families(double inner, NodeTable& nodes) {
-  // A border that begins at the event may cut through an arc that goes on analytically.
-  std::vector<Vec2> fresh;
+  // A border that begins at the event may cut through an arc that goes on analytically, and at a pass arcs part and
+  // join anew while their pieces may still fit.
+  std::vector<Vec2> places;
   for (const auto* uses : {&starts_, &ends_}) {
     for (const std::uint32_t use : *uses) {
-      if (is_paired_[use] == 0) fresh.push_back(nodes.node_at(face_->uses[use].piece, inner).xy);
+      if (is_paired_[use] == 0) places.push_back(nodes.node_at(face_->uses[use].piece, inner).xy);
     }
   }
+  for (const Pass& pass : face_->passes) {
+    if (pass.z >= last_z_ && pass.z <= heights_[layer_]) places.push_back(pass.xy);
+  }
   std::erase_if(families_, [&](const Family& family) {
-    if (fresh.empty()) return false;
+    if (places.empty()) return false;
     pieces_of(family, inner);
-    const auto is_pierced = [&](const Vec2& node) { return passes_near(pieces_, node); };
-    if (std::none_of(fresh.begin(), fresh.end(), is_pierced)) return false;
+    const auto is_pierced = [&](const Vec2& place) { return passes_near(pieces_, place); };
+    if (std::none_of(places.begin(), places.end(), is_pierced)) return false;
     if (family.cut < 0) is_paired_[family.begin] = is_paired_[family.end] = 0;
     return true;
   });
@@ -244,6 +248,10 @@ void FaceSection::join(std::uint32_t begin, std::uint32_t end) {
 }
 
 void FaceSection::pair_neighbors() {
+  std::vector<SectionPoint> ends;
+  for (const std::uint32_t end : ends_) {
+    if (is_paired_[end] == 0 && points_[end].usable) ends.push_back(points_[end].point);
+  }
   std::vector<std::uint32_t> crossing = starts_;
   crossing.insert(crossing.end(), ends_.begin(), ends_.end());
   std::sort(crossing.begin(), crossing.end());
@@ -256,7 +264,7 @@ void FaceSection::pair_neighbors() {
       if (is_paired_[a] != 0 || is_paired_[b] != 0) continue;
       if (face_->uses[a].ends_arc == face_->uses[b].ends_arc) continue;
       if (face_->uses[a].ends_arc) std::swap(a, b);
-      if (points_[a].usable && points_[b].usable && are_joined(points_[a], points_[b])) join(a, b);
+      if (points_[a].usable && points_[b].usable && are_joined(points_[a], points_[b], ends)) join(a, b);
     }
     first = last;
   }
@@ -305,7 +313,7 @@ void FaceSection::find_roots(double z) {
     for (std::uint32_t piece = 0; piece < line.pieces.size(); ++piece) {
       if (!line.pieces[piece].crosses(z)) continue;
       const Crossing crossing = find_crossing(line.curve, line.pieces[piece], z, std::nan(""));
-      roots_.push_back({cut, piece, crossing.t, crossing.at.point.head<2>(), false});
+      roots_.push_back({cut, piece, crossing.t, crossing.at.point.head<2>(), crossing.at.dt.head<2>(), false});
     }
   }
   roots_by_x_.resize(roots_.size());
@@ -327,23 +335,36 @@ void FaceSection::visit_roots(const Family& family, double z) {
     const double last = from.x() + std::max(chord.x(), 0.0) + reach;
     for (; next != roots_by_x_.end() && roots_[*next].xy.x() <= last; ++next) {
       CutRoot& root = roots_[*next];
-      if (!root.visited) root.visited = passes_through(piece, from, chord, root.xy, limits_.landing);
+      if (!root.visited) root.visited = passes_through(piece, from, chord, root);
     }
   }
 }
 
-bool FaceSection::passes_through(const ArcPiece& piece, const Vec2& from, const Vec2& chord, const Vec2& xy,
-                                 double slack) {
+bool FaceSection::passes_through(const ArcPiece& piece, const Vec2& from, const Vec2& chord,
+                                 const CutRoot& root) const {
+  const double slack = limits_.landing;
   const double square = chord.squaredNorm();
-  double t = std::clamp(chord.dot(xy - from) / square, 0.0, 1.0);
+  double t = std::clamp(chord.dot(root.xy - from) / square, 0.0, 1.0);
   // An arc that turns by less than 0.7 stays within a fifth of its chord from it.
-  if ((xy - from - t * chord).squaredNorm() > 0.04 * square + slack * slack) return false;
+  if ((root.xy - from - t * chord).squaredNorm() > 0.04 * square + slack * slack) return false;
   constexpr int kSteps = 5;
   for (int i = 0; i < kSteps; ++i) {
     const Vec2 slope = piece.slope(t);
-    t = std::clamp(t + slope.dot(xy - piece.at(t)) / slope.squaredNorm(), 0.0, 1.0);
+    t = std::clamp(t + slope.dot(root.xy - piece.at(t)) / slope.squaredNorm(), 0.0, 1.0);
   }
-  return (xy - piece.at(t)).squaredNorm() <= slack * slack;
+  return (root.xy - piece.at(t)).squaredNorm() <= slack * slack && crosses_as(root, piece.slope(t));
+}
+
+bool FaceSection::crosses_as(const CutRoot& root, const Vec2& slope) const {
+  const CutLine& line = face_->cuts[root.cut];
+  const Vec2 uv(root.u, line.v);
+  const SurfacePoint at = face_->surface.evaluate_slopes(uv, face_->surface.find_cell(uv, Vec2::Zero()));
+  // In the plane S_u x (z x n) = -S_u.z n.z, n the outward normal.
+  const double expected = face_->sign * at.normal().z() * (line.pieces[root.piece].rises() ? -1.0 : 1.0);
+  const double side = root.along.x() * slope.y() - root.along.y() * slope.x();
+  // On an upright face the section runs along the cut as seen from above, and says nothing.
+  constexpr double kParallel = 1e-6;
+  return !(side * expected < 0.0 && std::abs(side) > kParallel * root.along.norm() * slope.norm());
 }
 
 void FaceSection::find_loops(double z, Section& out) {
@@ -369,8 +390,13 @@ void FaceSection::find_loops(double z, Section& out) {
       if (side == TrimRegion::Side::inside) out.lost_loops.push_back(face_->id);
       continue;
     }
-    // What runs into an end node is an arc that has been found already.
-    if (family.carried.arc.target != 0) continue;
+    // What runs into an end node is an arc that has been found already. If that one was followed, and not through here,
+    // one of the two is wrong.
+    if (const std::size_t target = family.carried.arc.target; target != 0) {
+      const bool is_off = (end_points_[target].xy - seed.point.xy).norm() > 2.0 * face_->tolerance + limits_.landing;
+      if (side == TrimRegion::Side::inside && is_known_[target] != 0 && is_off) out.lost_loops.push_back(face_->id);
+      continue;
+    }
     family.carried.start(z);
     visit_roots(family, z);
     families_.push_back(std::move(family));

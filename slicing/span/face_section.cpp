@@ -94,6 +94,7 @@ void FaceSection::cut(std::size_t layer, NodeTable& nodes, Section& out, Section
       break;
   }
   counters.arcs += out.arcs.size() - before;
+  last_z_ = z;
 }
 
 double FaceSection::inner_height(double z) const {
@@ -256,13 +257,32 @@ bool FaceSection::lie_together(const FacePoint& begin, const FacePoint& end) con
   return true;
 }
 
-bool FaceSection::are_joined(const FacePoint& begin, const FacePoint& end) const {
+bool FaceSection::are_joined(const FacePoint& begin, const FacePoint& end, std::span<const SectionPoint> ends) {
   const Vec2 step = end.point.xy - begin.point.xy;
   const double distance = step.norm();
   if (distance > 2.0 * std::max(begin.tolerance, end.tolerance)) return false;
   if (!lie_together(begin, end)) return false;
   if (length_of(begin.point, end.point.uv - begin.point.uv) > 10.0 * distance + 1e-6) return false;
-  return distance <= 1e-7 || step.dot(begin.point.tangent) <= 0.0;
+  if (step.dot(begin.point.tangent) > 0.0) return distance <= 1e-7;
+  // The end lies behind: inverted, or the two ends of an arc that has nearly closed to a loop.
+  return !leads_to(begin, ends);
+}
+
+bool FaceSection::leads_to(const FacePoint& begin, std::span<const SectionPoint> ends) {
+  if (!trace(face_->surface, face_->sign, begin.point, ends, limits_, traced_)) return false;
+  // What is inverted runs outside the face.
+  for (std::size_t i = 1; i + 1 < traced_.points.size(); ++i) {
+    const SectionPoint& point = traced_.points[i];
+    const Vec2 slack = begin.tolerance * Vec2(1.0 / std::sqrt(point.metric[0]), 1.0 / std::sqrt(point.metric[2]));
+    if (region().classify(point.uv, slack) == TrimRegion::Side::outside) return false;
+  }
+  return traced_.points.size() > 2;
+}
+
+const TrimRegion& FaceSection::region() {
+  if (face_->region) return *face_->region;
+  if (!own_region_) own_region_.emplace(*scene_, face_->id);
+  return *own_region_;
 }
 
 bool FaceSection::cut_by_sheet(Family& family, double inner, NodeTable& nodes, Section& out) const {
@@ -343,6 +363,7 @@ FaceSection::FacePoint FaceSection::layer_point(std::uint32_t use, double z, dou
 void FaceSection::cut_traced(double z, NodeTable& nodes, Section& out, SectionCounters& counters) {
   const double inner = inner_height(z);
   end_points_.resize(1);  // the first place is for the seed of a loop
+  is_known_.resize(1);
   for (Family& family : families_) {
     const std::size_t first = out.arcs.size();
     if (cut_by_sheet(family, inner, nodes, out)) {
@@ -356,9 +377,12 @@ void FaceSection::cut_traced(double z, NodeTable& nodes, Section& out, SectionCo
     }
     const FacePoint begin = layer_point(family.begin, z, inner, nodes);
     const FacePoint end = layer_point(family.end, z, inner, nodes);
-    cut_arc(family, begin, end, out, counters);
+    const bool is_known = cut_arc(family, begin, end, out, counters);
     note_normals(family, first, z, nodes, out);
-    if (entered_ && end.usable) end_points_.push_back(end.point);
+    if (entered_ && end.usable) {
+      end_points_.push_back(end.point);
+      is_known_.push_back(is_known ? 1 : 0);
+    }
     try_sheet(family, inner, nodes, counters);
   }
   if (entered_ && !face_->cuts.empty()) {
@@ -368,39 +392,40 @@ void FaceSection::cut_traced(double z, NodeTable& nodes, Section& out, SectionCo
   }
 }
 
-void FaceSection::cut_arc(Family& family, const FacePoint& begin, const FacePoint& end, Section& out,
+bool FaceSection::cut_arc(Family& family, const FacePoint& begin, const FacePoint& end, Section& out,
                           SectionCounters& counters) {
   if (!begin.usable || !end.usable) {
     family.carried.arc.clear();
     ++counters.doubtful_arcs;
     append_chord(begin.node, end.node, begin.point.xy, end.point.xy, true, out);
-    return;
-  }
-  if (are_joined(begin, end)) {
-    family.carried.arc.clear();
-    append_chord(begin.node, end.node, begin.point.xy, end.point.xy, false, out);
-    return;
+    return false;
   }
   CarriedArc& carried = family.carried;
   const double z = begin.point.z;
   if (!carried.empty() && carried.z == z) {
     append(begin.node, end.node, carried.arc.pieces, out);
-    return;
+    return true;
+  }
+  if (are_joined(begin, end, {&end.point, 1})) {
+    family.carried.arc.clear();
+    append_chord(begin.node, end.node, begin.point.xy, end.point.xy, false, out);
+    return true;
   }
   if (!carried.empty() && carry(face_->surface, face_->sign, begin.point, end.point, z, limits_, carried)) {
     append(begin.node, end.node, carried.arc.pieces, out);
-    return;
+    return true;
   }
   ++counters.traced;
   const std::size_t twin = begin.piece == end.piece ? 0 : kNoTwin;
   if (trace(face_->surface, face_->sign, begin.point, {&end.point, 1}, limits_, carried.arc, twin)) {
     carried.start(z);
     append(begin.node, end.node, carried.arc.pieces, out);
-    return;
+    return true;
   }
   std::swap(traced_, carried.arc);
   carried.arc.clear();
   bridge(begin, end, out, counters);
+  return false;
 }
 
 void FaceSection::bridge(const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters) {

@@ -78,6 +78,16 @@ class FaceSection {
     bool usable = false;
   };
 
+  /// Where a cut crosses the layer.
+  struct CutRoot {
+    std::uint32_t cut = 0;
+    std::uint32_t piece = 0;
+    double u = 0.0;
+    Vec2 xy = Vec2::Zero();
+    Vec2 along = Vec2::Zero();  ///< the cut's direction there
+    bool visited = false;       ///< an arc that is known passes through it
+  };
+
   void enter_band(std::size_t band, double z, NodeTable& nodes, SectionCounters& counters);
   void pair_plane(double z, const NodeTable& nodes);
   void pair_round(double z, const NodeTable& nodes);
@@ -90,9 +100,11 @@ class FaceSection {
   void pair_rest();
   void find_roots(double z);
   void visit_roots(const Family& family, double z);
-  /// Whether a point of the layer lies on an arc's piece, given by its first point and chord as well.
-  [[nodiscard]] static bool passes_through(const ArcPiece& piece, const Vec2& from, const Vec2& chord, const Vec2& xy,
-                                           double slack);
+  /// Whether a root lies on an arc's piece, given by its first point and chord as well.
+  [[nodiscard]] bool passes_through(const ArcPiece& piece, const Vec2& from, const Vec2& chord,
+                                    const CutRoot& root) const;
+  /// Whether a section that goes through a root along `slope` crosses the cut there as the height along the cut has it.
+  [[nodiscard]] bool crosses_as(const CutRoot& root, const Vec2& slope) const;
   void find_loops(double z, Section& out);
 
   void cut_plane(double z, NodeTable& nodes, Section& out) const;
@@ -102,7 +114,8 @@ class FaceSection {
   void drop_pierced_families(double inner, NodeTable& nodes);
   void pieces_of(const Family& family, double inner);
   [[nodiscard]] static bool passes_near(const std::vector<ArcPiece>& pieces, const Vec2& xy);
-  void cut_arc(Family& family, const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters);
+  /// False if the arc, or a part of it, couldn't be followed.
+  bool cut_arc(Family& family, const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters);
   [[nodiscard]] FacePoint layer_point(std::uint32_t use, double z, double inner, NodeTable& nodes) const;
   bool keeps_to_nodes(const Family& family, const ArcPiece* pieces, std::uint32_t count, NodeTable& nodes) const;
   bool cut_by_sheet(Family& family, double inner, NodeTable& nodes, Section& out) const;
@@ -125,7 +138,12 @@ class FaceSection {
   [[nodiscard]] FacePoint face_point(const PieceUse& use, const Node& node, double z) const;
   [[nodiscard]] FacePoint cut_point(const Family& family, double z) const;
   [[nodiscard]] bool lie_together(const FacePoint& begin, const FacePoint& end) const;
-  [[nodiscard]] bool are_joined(const FacePoint& begin, const FacePoint& end) const;
+  /// Whether an arc between two points is none: it has vanished, or is inverted within the tolerance. `ends` are those
+  /// that it may have if it is one all the same.
+  [[nodiscard]] bool are_joined(const FacePoint& begin, const FacePoint& end, std::span<const SectionPoint> ends);
+  /// Whether the section from a point can be followed through the face to one of the ends.
+  [[nodiscard]] bool leads_to(const FacePoint& begin, std::span<const SectionPoint> ends);
+  [[nodiscard]] const TrimRegion& region();
   [[nodiscard]] bool is_whole_ellipse(double z, bool inner) const;
   [[nodiscard]] double chart_angle(const PieceUse& use, const Node& node, const PlaneEllipse& ellipse) const;
   [[nodiscard]] double sweep_between(const Family& family, double z, const Node& begin, const Node& end) const;
@@ -145,20 +163,15 @@ class FaceSection {
   TraceLimits limits_;
   std::span<const double> heights_;
   std::size_t layer_ = 0;
+  double last_z_ = 0.0;  ///< height of the last layer that met the face
   std::optional<std::size_t> band_;
   bool entered_ = false;  ///< this layer is the first in its band
   std::vector<Family> families_;
   TracedArc traced_;
   TracedArc backward_;
+  std::optional<TrimRegion> own_region_;  ///< where the model has none
 
   // Of the band being entered.
-  struct CutRoot {
-    std::uint32_t cut = 0;
-    std::uint32_t piece = 0;
-    double u = 0.0;
-    Vec2 xy = Vec2::Zero();
-    bool visited = false;  ///< an arc that is known passes through it
-  };
   std::vector<std::uint32_t> starts_;  ///< uses that cross the band
   std::vector<std::uint32_t> ends_;
   std::vector<FacePoint> points_;  ///< one a use
@@ -167,6 +180,7 @@ class FaceSection {
   std::vector<std::uint32_t> roots_by_x_;
   std::vector<ArcPiece> pieces_;          ///< of the family being looked at
   std::vector<SectionPoint> end_points_;  ///< of the arcs on this layer, behind a place for a loop's seed
+  std::vector<std::uint8_t> is_known_;    ///< for each of them: its arc was followed from end to end
 };
 
 }  // namespace lamella::span

@@ -71,18 +71,21 @@ Crossing find_crossing(const SectionCurve<3>& curve, const MonotonePiece& piece,
   const double smallest = 4e-16 * std::max(std::abs(lo), std::abs(hi));
   double t = guess > lo && guess < hi ? guess : lo + (hi - lo) * (z - piece.z0) / (piece.z1 - piece.z0);
   double last_step = 0.0;
-  // Newton's iteration, kept in a shrinking bracket: the curve's own heights rise (times sign) from lo to hi.
-  for (int i = 0; i < 100; ++i) {
+  double step_before = hi - lo;
+  // Newton's iteration, kept in a shrinking bracket: the curve's own heights rise (times sign) from lo to hi. Over a
+  // knot it may go to and fro for ever: steps must become shorter, or the bracket is halved.
+  for (int i = 0; i < 200; ++i) {
     const CurvePoint2<3> at = curve.evaluate(t);
     const double excess = sign * (at.point.z() - z);
     // Rounding of the curve's own coordinates: a few ulp.
     if (std::abs(excess) <= 4e-16 * (1.0 + std::abs(z))) return {t, {at.point, at.dt}};
     (excess < 0.0 ? lo : hi) = t;
     double next = t - sign * excess / at.dt.z();
-    const bool is_newton = next > lo && next < hi;
+    const bool is_newton = next > lo && next < hi && 2.0 * std::abs(next - t) <= std::abs(step_before);
     if (!is_newton) next = 0.5 * (lo + hi);
     const double step = next - t;
     t = next;
+    step_before = i == 0 ? step_before : last_step;
     // What is left after a step of Newton's shrinks with its square: the last two foretell the next one.
     const double ratio = step / last_step;
     last_step = step;

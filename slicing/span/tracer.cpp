@@ -1,6 +1,7 @@
 #include "slicing/span/tracer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -11,7 +12,7 @@ namespace {
 constexpr std::size_t kMaxPieces = 20000;
 constexpr int kMaxAttempts = 60;
 constexpr double kLargestTurn = 0.5;      // radians of one step
-constexpr double kCellSlack = 1e-9;       // of a cell: beyond its limit by less is on it
+constexpr double kCellSlack = 1e-12;      // of a cell: beyond its limit by less is on it
 constexpr double kCorrectionShare = 0.3;  // of a step: a longer correction is not trusted
 constexpr double kGrowth = 2.0;
 
@@ -267,11 +268,26 @@ class Trace {
     if (leaves) length_ = std::max(length_, 0.5 * limits_.longest);
     current_ = step.next;
     if (leaves && !surface_.has_neighbor(cell_, step.exit.axis, step.exit.upper)) return false;
-    if (!enter_next_cell(surface_, current_, cell_)) return true;
-    current_ = section_point(surface_.evaluate(current_.uv, cell_), current_.uv, sign_);
-    current_.z = z_;
-    arc_.points.back() = current_;
-    return current_.uv_bend.allFinite();
+    return enter_cell_ahead();
+  }
+
+  /// The next cell may be left at once by another of its limits, in a corner. What leads back into one that was left
+  /// runs along the limit, and may as well stay.
+  bool enter_cell_ahead() {
+    std::array<Cell, 4> left;
+    for (std::size_t count = 0; count < left.size(); ++count) {
+      left[count] = cell_;
+      if (!enter_next_cell(surface_, current_, cell_)) return true;
+      if (std::find(left.begin(), left.begin() + count, cell_) != left.begin() + count) {
+        cell_ = left[count];
+        return true;
+      }
+      current_ = section_point(surface_.evaluate(current_.uv, cell_), current_.uv, sign_);
+      current_.z = z_;
+      arc_.points.back() = current_;
+      if (!current_.uv_bend.allFinite()) return false;
+    }
+    return true;
   }
 
   const SectionSurface& surface_;

@@ -564,6 +564,37 @@ TEST(CriticalPoints, ACreaseMayHaveAPeakAndAPass) {
   }
 }
 
+TEST(CriticalPoints, AKnotNearAPointOnACreaseDoesNotHideItsKind) {
+  // The same with a knot beside the point: v^2 has the products of two neighbouring knots as poles.
+  constexpr double kKnot = 1e-5;
+  const std::array<double, 4> square{1.0, -kKnot, kKnot, 1.0};
+  for (const double side : {-1.0, 1.0}) {
+    const BSplineSurface s = height_field(1, 2, {-1, -1, 0, 1, 1}, {-1, -1, -1, kKnot, 1, 1, 1}, [&](int i, int j) {
+      return (i == 1 ? 7.0 : 6.0) + side * square[static_cast<std::size_t>(j)];
+    });
+    const CriticalPoints found = find_critical_points(s, domain(s));
+    ASSERT_EQ(found.points.size(), 1u);
+    EXPECT_EQ(found.points[0].kind, side < 0 ? CriticalKind::maximum : CriticalKind::saddle);
+  }
+}
+
+TEST(CriticalPoints, CreasedFieldsFollowMorse) {
+  // With a low rim a disc again, of any degrees and knots.
+  RandomGeometry random(21);
+  for (int k = 0; k < 60; ++k) {
+    const BSplineSurface knots = random.surface(random.integer(1, 4), random.integer(1, 4), 5, false);
+    const BSplineSurface s =
+        height_field(knots.degree_u, knots.degree_v, knots.knots_u, knots.knots_v, [&](int i, int j) {
+          const bool rim = i == 0 || j == 0 || i + 1 == knots.count_u || j + 1 == knots.count_v;
+          return rim ? -2.0 : random.real(-1, 1);
+        });
+    CriticalPoints found = find_critical_points(s, domain(s));
+    std::erase_if(found.points, [](const CriticalPoint& p) { return p.z < -2.0 + 1e-9; });
+    EXPECT_EQ(morse_sum(found), 1) << k;
+    EXPECT_TRUE(found.complete);
+  }
+}
+
 TEST(CriticalPoints, CornersOfAFacettedFieldFollowMorse) {
   // Random heights of a bilinear grid with a low rim: a disc sewn to a point below, so the sum is 2 with that point.
   RandomGeometry random(12);

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
+#include "model/critical_points.h"
 #include "model/evaluate.h"
 #include "tests/support/cut_scene.h"
 #include "tests/support/patch_solids.h"
@@ -171,11 +172,70 @@ TEST_P(Islands, AndLakesAreAllThere) {
   expect_hills(hills, test::with_reversed_parameters(scene), placement);
 }
 
+/// Heights at which the sections of the hills and of their underside change, and very close by.
+std::vector<double> sharp_heights(const Scene& scene) {
+  std::vector<double> heights;
+  for (std::size_t f = 0; f < scene.faces.size(); ++f) {
+    const auto* spline = std::get_if<BSplineSurface>(&scene.faces[FaceId{f}].surface);
+    if (spline == nullptr) continue;
+    const Box2 domain(Vec2(spline->knots_u.front(), spline->knots_v.front()),
+                      Vec2(spline->knots_u.back(), spline->knots_v.back()));
+    for (const CriticalPoint& point : find_critical_points(*spline, domain).points) heights.push_back(point.z);
+  }
+  for (const Vertex& vertex : scene.vertices) heights.push_back(vertex.point.z());
+  const std::size_t count = heights.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    for (const double off : {-1e-6, -1e-8, 1e-8, 1e-6}) heights.push_back(heights[i] + off);
+  }
+  std::sort(heights.begin(), heights.end());
+  return heights;
+}
+
+class SharpHeights : public testing::TestWithParam<std::uint64_t> {};
+
+TEST_P(SharpHeights, GiveTheIslandsOrADoubt) {
+  const Hills hills = random_hills(GetParam(), true);
+  Scene scene;
+  test::add_swept_patch(scene, hills.surface, hills.thickness * Vec3::UnitZ());
+  const Box3 box = test::solid_box(scene, SolidId{0});
+  const SpanEngine engine(scene, test::all_solids(scene), {1e-7, 1});
+  std::vector<LayerRequest> requests;
+  for (const double z : sharp_heights(scene)) {
+    if (!(z > box.min().z() + kBound && z < box.max().z() - kBound)) continue;
+    requests.push_back({requests.size(), z, {test::lattice_over(box, 1.17, 30, 0.3)}});
+  }
+  const std::vector<LayerSpans> layers = test::cut_layers(engine, requests);
+  EXPECT_EQ(test::total(layers).unclosed_rays, 0U);
+  Count count;
+  std::size_t doubtful = 0;
+  for (std::size_t k = 0; k < requests.size(); ++k) {
+    if (layers[k].cast.uncertain_hits + layers[k].cast.repaired_rays > 0) {
+      ++doubtful;
+      continue;
+    }
+    expect_points(hills, Placement{}, requests[k].lattices[0], requests[k].z, layers[k].lattices[0], box, count);
+    if (testing::Test::HasFatalFailure()) return;
+  }
+  EXPECT_LE(50 * doubtful, requests.size());
+}
+
 const auto kSeeds = testing::Range<std::uint64_t>(0, 24);
 INSTANTIATE_TEST_SUITE_P(Smooth, Islands, testing::Combine(kSeeds, testing::Values(false)));
 INSTANTIATE_TEST_SUITE_P(Creased, Islands, testing::Combine(kSeeds, testing::Values(true)));
 // A section that went on beyond a crease as if there were none, between two points within their cell.
 INSTANTIATE_TEST_SUITE_P(BulgingOverACrease, Islands, testing::Values(std::tuple(std::uint64_t{187}, true)));
+// A minimum on a crease that passed for a saddle, beside a knot.
+INSTANTIATE_TEST_SUITE_P(KnotByAMinimum, Islands, testing::Values(std::tuple(std::uint64_t{539}, true)));
+// Newton's iteration for a node or a cut's crossing that went to and fro over a corner of the curve.
+INSTANTIATE_TEST_SUITE_P(NewtonOverACorner, Islands,
+                         testing::Values(std::tuple(std::uint64_t{606}, true), std::tuple(std::uint64_t{718}, true)));
+
+// A section by the corner of four cells.
+INSTANTIATE_TEST_SUITE_P(ByACorner, SharpHeights, testing::Values<std::uint64_t>(45, 78));
+// An arc that has nearly closed to a loop.
+INSTANTIATE_TEST_SUITE_P(NearlyClosed, SharpHeights, testing::Values<std::uint64_t>(36));
+// Arcs that part at a saddle between two layers, or at a saddle on a crease.
+INSTANTIATE_TEST_SUITE_P(Parting, SharpHeights, testing::Values<std::uint64_t>(24, 34, 56));
 
 }  // namespace
 }  // namespace lamella
