@@ -54,10 +54,6 @@ std::array<double, 6> quintic(const EndData& a, const EndData& b, int axis) {
           6.0 * rest - 3.0 * slope_rest + 0.5 * bend_rest};
 }
 
-double value_at(const std::array<double, 6>& c, double t) {
-  return c[0] + t * (c[1] + t * (c[2] + t * (c[3] + t * (c[4] + t * c[5]))));
-}
-
 double slope_at(const std::array<double, 6>& c, double t) {
   return c[1] + t * (2.0 * c[2] + t * (3.0 * c[3] + t * (4.0 * c[4] + t * 5.0 * c[5])));
 }
@@ -109,8 +105,6 @@ bool is_even(const End& a, const End& b, double length) {
 }
 
 }  // namespace
-
-Vec2 ArcPiece::at(double t) const { return {value_at(x, t), value_at(y, t)}; }
 
 Vec2 ArcPiece::slope(double t) const { return {slope_at(x, t), slope_at(y, t)}; }
 

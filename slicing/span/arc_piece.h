@@ -12,7 +12,10 @@ struct ArcPiece {
   std::array<double, 6> x{};
   std::array<double, 6> y{};
 
-  [[nodiscard]] Vec2 at(double t) const;
+  [[nodiscard]] Vec2 at(double t) const {
+    return {x[0] + t * (x[1] + t * (x[2] + t * (x[3] + t * (x[4] + t * x[5])))),
+            y[0] + t * (y[1] + t * (y[2] + t * (y[3] + t * (y[4] + t * y[5]))))};
+  }
   /// Derivative by t.
   [[nodiscard]] Vec2 slope(double t) const;
   /// Second derivative by t.

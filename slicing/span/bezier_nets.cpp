@@ -52,6 +52,7 @@ Breaks::Breaks(std::vector<double> limits) : limits_(std::move(limits)) {
   constexpr std::size_t kBucketsPerPart = 4;
   const std::size_t buckets = kBucketsPerPart * (limits_.size() - 1);
   if (length > 0.0) buckets_per_length_ = static_cast<double>(buckets) / length;
+  last_bucket_ = static_cast<double>(buckets - 1);
   std::size_t part = 0;
   for (std::size_t i = 0; i < buckets; ++i) {
     const double low = limits_.front() + length * static_cast<double>(i) / static_cast<double>(buckets);

@@ -28,16 +28,15 @@ class Breaks {
   /// Among parts [first, last) the one that holds `place`; the outer ones go on without end.
   [[nodiscard]] int part_of(double place, int first, int last) const {
     const double* limits = limits_.data();
-    const double bucket = (place - limits[0]) * buckets_per_length_;
-    const auto count = static_cast<double>(first_in_bucket_.size());
-    // Written so that NaN gives the first part.
-    int part = first;
-    if (bucket > 0.0) {
-      part = bucket < count ? first_in_bucket_[static_cast<std::size_t>(bucket)] : last - 1;
-      part = part < first ? first : (part < last ? part : last - 1);
-    }
-    while (part > first && place < limits[part]) --part;
-    while (part + 1 < last && place >= limits[part + 1]) ++part;
+    // Written so that NaN gives the first bucket.
+    double bucket = (place - limits[0]) * buckets_per_length_;
+    bucket = bucket > 0.0 ? bucket : 0.0;
+    bucket = bucket < last_bucket_ ? bucket : last_bucket_;
+    int part = first_in_bucket_[static_cast<std::size_t>(bucket)];
+    part = part < last ? part : last - 1;
+    part = part > first ? part : first;
+    while (place < limits[part] && part > first) --part;
+    while (place >= limits[part + 1] && part + 1 < last) ++part;
     return part;
   }
   [[nodiscard]] int part_of(double place) const { return part_of(place, 0, static_cast<int>(limits_.size()) - 1); }
@@ -47,6 +46,7 @@ class Breaks {
   std::vector<double> scales_;        ///< one over the length of each part
   std::vector<int> first_in_bucket_;  ///< the part at the lower end of each of many equal buckets: where to begin
   double buckets_per_length_ = 0.0;
+  double last_bucket_ = 0.0;
 };
 
 /// Rational Bezier nets of a surface, evaluated with derivatives. Poles are kept relative to an origin near the part,

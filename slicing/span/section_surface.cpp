@@ -61,11 +61,6 @@ void SectionSurface::set_breaks(int axis, const Breaks& pieces, const std::vecto
   }
 }
 
-int SectionSurface::piece_of(int axis, double place, int cell) const {
-  if (pieces_[axis].empty()) return 0;
-  return pieces_[axis].part_of(place, first_piece_[axis][cell], first_piece_[axis][cell + 1]);
-}
-
 bool SectionSurface::crosses_knot(const Vec2& a, const Vec2& b, const Cell& cell) const {
   for (int axis = 0; axis < 2; ++axis) {
     if (pieces_[axis].empty()) continue;
@@ -73,7 +68,8 @@ bool SectionSurface::crosses_knot(const Vec2& a, const Vec2& b, const Cell& cell
     // Points on a knot touch it, no more.
     const auto [low, high] = std::minmax(a[axis], b[axis]);
     const double slack = 1e-6 * (high - low);
-    if (piece_of(axis, low + slack, index) != piece_of(axis, high - slack, index)) return true;
+    const int piece = piece_of(axis, low + slack, index);
+    if (piece + 1 < first_piece_[axis][index + 1] && high - slack >= pieces_[axis][piece + 1]) return true;
   }
   return false;
 }

@@ -59,7 +59,10 @@ class SectionSurface {
  private:
   [[nodiscard]] CurvePoint2<3> basis_point(double t, int piece) const;
   /// Bezier piece along one axis that serves a place in a cell.
-  [[nodiscard]] int piece_of(int axis, double place, int cell) const;
+  [[nodiscard]] int piece_of(int axis, double place, int cell) const {
+    if (pieces_[axis].empty()) return 0;
+    return pieces_[axis].part_of(place, first_piece_[axis][cell], first_piece_[axis][cell + 1]);
+  }
   void set_breaks(int axis, const Breaks& pieces, const std::vector<double>& knots, int degree);
 
   enum class Kind { analytic, spline, extrusion, revolution };
