@@ -340,19 +340,39 @@ void FaceSection::visit_roots(const Family& family, double z) {
   }
 }
 
-bool FaceSection::passes_through(const ArcPiece& piece, const Vec2& from, const Vec2& chord,
-                                 const CutRoot& root) const {
-  const double slack = limits_.landing;
+std::optional<double> FaceSection::nearest_place(const ArcPiece& piece, const Vec2& from, const Vec2& chord,
+                                                 const Vec2& xy, double slack) {
   const double square = chord.squaredNorm();
-  double t = std::clamp(chord.dot(root.xy - from) / square, 0.0, 1.0);
+  double t = std::clamp(chord.dot(xy - from) / square, 0.0, 1.0);
   // An arc that turns by less than 0.7 stays within a fifth of its chord from it.
-  if ((root.xy - from - t * chord).squaredNorm() > 0.04 * square + slack * slack) return false;
+  if ((xy - from - t * chord).squaredNorm() > 0.04 * square + slack * slack) return std::nullopt;
   constexpr int kSteps = 5;
   for (int i = 0; i < kSteps; ++i) {
     const Vec2 slope = piece.slope(t);
-    t = std::clamp(t + slope.dot(root.xy - piece.at(t)) / slope.squaredNorm(), 0.0, 1.0);
+    t = std::clamp(t + slope.dot(xy - piece.at(t)) / slope.squaredNorm(), 0.0, 1.0);
   }
-  return (root.xy - piece.at(t)).squaredNorm() <= slack * slack && crosses_as(root, piece.slope(t));
+  if (!((xy - piece.at(t)).squaredNorm() <= slack * slack)) return std::nullopt;
+  return t;
+}
+
+bool FaceSection::passes_through(const ArcPiece& piece, const Vec2& from, const Vec2& chord,
+                                 const CutRoot& root) const {
+  const auto t = nearest_place(piece, from, chord, root.xy, limits_.landing);
+  return t && crosses_as(root, piece.slope(*t));
+}
+
+bool FaceSection::is_near_arc(const Vec2& xy, double z) {
+  double slack = std::max(face_->tolerance, limits_.landing);
+  for (const PieceUse& use : face_->uses) {
+    slack = std::max(slack, scene_->edges[scene_->half_edges[use.half_edge].edge].tolerance);
+  }
+  return std::any_of(families_.begin(), families_.end(), [&](const Family& family) {
+    pieces_of(family, z);
+    return std::any_of(pieces_.begin(), pieces_.end(), [&](const ArcPiece& piece) {
+      const Vec2 from = piece.at(0.0);
+      return nearest_place(piece, from, piece.at(1.0) - from, xy, 2.0 * slack).has_value();
+    });
+  });
 }
 
 bool FaceSection::crosses_as(const CutRoot& root, const Vec2& slope) const {
@@ -390,11 +410,11 @@ void FaceSection::find_loops(double z, Section& out) {
       if (side == TrimRegion::Side::inside) out.lost_loops.push_back(face_->id);
       continue;
     }
-    // What runs into an end node is an arc that has been found already. If that one was followed, and not through here,
-    // one of the two is wrong.
+    // What runs into an end node is an arc that has been found already. If that one was followed, and not through here
+    // within the tolerance of the face's edges, one of the two is wrong.
     if (const std::size_t target = family.carried.arc.target; target != 0) {
-      const bool is_off = (end_points_[target].xy - seed.point.xy).norm() > 2.0 * face_->tolerance + limits_.landing;
-      if (side == TrimRegion::Side::inside && is_known_[target] != 0 && is_off) out.lost_loops.push_back(face_->id);
+      const bool is_inside = side == TrimRegion::Side::inside;
+      if (is_inside && is_known_[target] != 0 && !is_near_arc(seed.point.xy, z)) out.lost_loops.push_back(face_->id);
       continue;
     }
     family.carried.start(z);

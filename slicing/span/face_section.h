@@ -100,6 +100,12 @@ class FaceSection {
   void pair_rest();
   void find_roots(double z);
   void visit_roots(const Family& family, double z);
+  /// Where a piece, given by its first point and chord as well, comes nearest to a point; nothing if not within
+  /// `slack`.
+  [[nodiscard]] static std::optional<double> nearest_place(const ArcPiece& piece, const Vec2& from, const Vec2& chord,
+                                                           const Vec2& xy, double slack);
+  /// Whether an arc that is known passes a point within the tolerance of the face's edges.
+  [[nodiscard]] bool is_near_arc(const Vec2& xy, double z);
   /// Whether a root lies on an arc's piece, given by its first point and chord as well.
   [[nodiscard]] bool passes_through(const ArcPiece& piece, const Vec2& from, const Vec2& chord,
                                     const CutRoot& root) const;
