@@ -9,7 +9,7 @@ namespace {
 
 /// Share of a cell by which a piece may bulge over its limit: rounding only. By less than the accuracy is too much next
 /// to a saddle on a crease, where arcs that go on within the cell and arcs that leave it lie as near as that.
-constexpr double kCellSlack = 1e-10;
+constexpr double kBulge = 1e-10;
 
 /// Value, first and second derivative at one end of a piece.
 struct EndData {
@@ -152,7 +152,7 @@ bool stays_in_cell(const SectionSurface& surface, const Cell& cell, const ArcPie
     const bool above = surface.has_neighbor(cell, axis, true);
     if (!below && !above) continue;
     Interval range = surface.limits(cell, axis);
-    const double slack = kCellSlack * range.length();
+    const double slack = kBulge * range.length();
     range.lo = below ? range.lo - slack : -std::numeric_limits<double>::infinity();
     range.hi = above ? range.hi + slack : std::numeric_limits<double>::infinity();
     if (!stays_in(bernstein(axis == 0 ? uv.x : uv.y), range, kHalvings)) return false;

@@ -13,7 +13,7 @@
 
 namespace lamella::span {
 
-void FaceSection::enter_band(std::size_t band, double layer_z, NodeTable& nodes, SectionCounters& counters) {
+void FaceSection::enter_band(std::size_t band, double layer_z, NodeTable& nodes) {
   band_ = band;
   const double z = pairing_height(band, layer_z);
   if (face_->kind != SectionKind::traced) families_.clear();
@@ -33,11 +33,10 @@ void FaceSection::enter_band(std::size_t band, double layer_z, NodeTable& nodes,
       break;
     case SectionKind::traced:
       is_paired_.assign(face_->uses.size(), 0);
-      carry_families(layer_z, nodes, counters);
+      carry_families(layer_z, nodes);
       pair_traced(z, z == inner_height(layer_z), nodes);
       break;
   }
-  counters.families += families_.size();
 }
 
 double FaceSection::pairing_height(std::size_t band, double layer_z) const {
@@ -152,7 +151,7 @@ bool FaceSection::is_whole_ellipse(double z, bool inner) const {
   return face_->region->classify(round_parameters(face_->surface.surface(), z, inner, 0.0)) == TrimRegion::Side::inside;
 }
 
-void FaceSection::carry_families(double z, NodeTable& nodes, SectionCounters& counters) {
+void FaceSection::carry_families(double z, NodeTable& nodes) {
   // An arc that can be carried over the event, every piece measured, is the same arc on the other side of it.
   const double inner = inner_height(z);
   std::vector<Family> kept;
@@ -182,7 +181,6 @@ void FaceSection::carry_families(double z, NodeTable& nodes, SectionCounters& co
   }
   families_ = std::move(kept);
   drop_pierced_families(inner, nodes);
-  counters.carried_families += families_.size();
 }
 
 void FaceSection::drop_pierced_families(double inner, NodeTable& nodes) {

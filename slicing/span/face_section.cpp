@@ -30,16 +30,6 @@ std::optional<SectionPoint> starting_point(const SectionSurface& surface, const 
 
 }  // namespace
 
-SectionCounters& SectionCounters::operator+=(const SectionCounters& other) {
-  arcs += other.arcs;
-  families += other.families;
-  carried_families += other.carried_families;
-  sheets += other.sheets;
-  traced += other.traced;
-  doubtful_arcs += other.doubtful_arcs;
-  return *this;
-}
-
 NodeTable::NodeTable(const EdgePieces& edges)
     : edges_(&edges), nodes_(edges.all().size()), stamp_(edges.all().size(), 0) {
   for (Node& node : nodes_) node.t = std::nan("");
@@ -74,14 +64,13 @@ FaceSection::FaceSection(const Scene& scene, const FaceModel& face, const EdgePi
   limits_.longest = std::max(0.5 * face.size, 1e-6);
 }
 
-void FaceSection::cut(std::size_t layer, NodeTable& nodes, Section& out, SectionCounters& counters) {
+void FaceSection::cut(std::size_t layer, NodeTable& nodes, Section& out) {
   layer_ = layer;
   const double z = heights_[layer];
   const auto band = face_->band_of(z);
   if (!band) return;
   entered_ = band != band_;
-  if (entered_) enter_band(*band, z, nodes, counters);
-  const std::size_t before = out.arcs.size();
+  if (entered_) enter_band(*band, z, nodes);
   switch (face_->kind) {
     case SectionKind::plane:
       cut_plane(z, nodes, out);
@@ -90,10 +79,9 @@ void FaceSection::cut(std::size_t layer, NodeTable& nodes, Section& out, Section
       cut_round(z, nodes, out);
       break;
     case SectionKind::traced:
-      cut_traced(z, nodes, out, counters);
+      cut_traced(z, nodes, out);
       break;
   }
-  counters.arcs += out.arcs.size() - before;
   last_z_ = z;
 }
 
@@ -314,7 +302,7 @@ bool FaceSection::keeps_to_nodes(const Family& family, const ArcPiece* pieces, s
   return begin.squaredNorm() <= allowed * allowed && end.squaredNorm() <= allowed * allowed;
 }
 
-void FaceSection::try_sheet(Family& family, double inner, const NodeTable& nodes, SectionCounters& counters) {
+void FaceSection::try_sheet(Family& family, double inner, const NodeTable& nodes) {
   if (family.carried.empty() || family.carried.z != inner || layer_ < family.next_sheet) return;
   std::size_t last = layer_;
   while (last + 1 < heights_.size() && heights_[last + 1] < face_->events[*band_ + 1]) ++last;
@@ -340,7 +328,6 @@ void FaceSection::try_sheet(Family& family, double inner, const NodeTable& nodes
     const double error = family.sheet.build(face_->surface, face_->sign, inner, high, limits_, ends_at, family.carried);
     if (error <= 1.0) {
       family.sheet.allow_gap(gap);
-      ++counters.sheets;
       return;
     }
     // The error grows with the fifth power of the run's height.
@@ -360,7 +347,7 @@ FaceSection::FacePoint FaceSection::layer_point(std::uint32_t use, double z, dou
   return point;
 }
 
-void FaceSection::cut_traced(double z, NodeTable& nodes, Section& out, SectionCounters& counters) {
+void FaceSection::cut_traced(double z, NodeTable& nodes, Section& out) {
   const double inner = inner_height(z);
   end_points_.resize(1);  // the first place is for the seed of a loop
   is_known_.resize(1);
@@ -371,32 +358,30 @@ void FaceSection::cut_traced(double z, NodeTable& nodes, Section& out, SectionCo
       continue;
     }
     if (family.cut >= 0) {
-      cut_loop(family, inner, out, counters);
-      try_sheet(family, inner, nodes, counters);
+      cut_loop(family, inner, out);
+      try_sheet(family, inner, nodes);
       continue;
     }
     const FacePoint begin = layer_point(family.begin, z, inner, nodes);
     const FacePoint end = layer_point(family.end, z, inner, nodes);
-    const bool is_known = cut_arc(family, begin, end, out, counters);
+    const bool is_known = cut_arc(family, begin, end, out);
     note_normals(family, first, z, nodes, out);
     if (entered_ && end.usable) {
       end_points_.push_back(end.point);
       is_known_.push_back(is_known ? 1 : 0);
     }
-    try_sheet(family, inner, nodes, counters);
+    try_sheet(family, inner, nodes);
   }
   if (entered_ && !face_->cuts.empty()) {
     const std::size_t known = families_.size();
     find_loops(inner, out);
-    for (std::size_t i = known; i < families_.size(); ++i) cut_loop(families_[i], inner, out, counters);
+    for (std::size_t i = known; i < families_.size(); ++i) cut_loop(families_[i], inner, out);
   }
 }
 
-bool FaceSection::cut_arc(Family& family, const FacePoint& begin, const FacePoint& end, Section& out,
-                          SectionCounters& counters) {
+bool FaceSection::cut_arc(Family& family, const FacePoint& begin, const FacePoint& end, Section& out) {
   if (!begin.usable || !end.usable) {
     family.carried.arc.clear();
-    ++counters.doubtful_arcs;
     append_chord(begin.node, end.node, begin.point.xy, end.point.xy, true, out);
     return false;
   }
@@ -415,7 +400,6 @@ bool FaceSection::cut_arc(Family& family, const FacePoint& begin, const FacePoin
     append(begin.node, end.node, carried.arc.pieces, out);
     return true;
   }
-  ++counters.traced;
   const std::size_t twin = begin.piece == end.piece ? 0 : kNoTwin;
   if (trace(face_->surface, face_->sign, begin.point, {&end.point, 1}, limits_, carried.arc, twin)) {
     carried.start(z);
@@ -424,11 +408,11 @@ bool FaceSection::cut_arc(Family& family, const FacePoint& begin, const FacePoin
   }
   std::swap(traced_, carried.arc);
   carried.arc.clear();
-  bridge(begin, end, out, counters);
+  bridge(begin, end, out);
   return false;
 }
 
-void FaceSection::bridge(const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters) {
+void FaceSection::bridge(const FacePoint& begin, const FacePoint& end, Section& out) {
   // traced_ holds what could be followed from the beginning; the same from the end, backward.
   const Cell cell = face_->surface.find_cell(end.point.uv, -end.point.uv_slope);
   SectionPoint back = section_point(face_->surface.evaluate(end.point.uv, cell), end.point.uv, -face_->sign);
@@ -456,7 +440,6 @@ void FaceSection::bridge(const FacePoint& begin, const FacePoint& end, Section& 
   // The twins of a seam lie together, but the arc between them goes all the way round.
   const bool is_round = begin.piece == end.piece;
   const bool doubtful = is_round || !(height_off(a, b) <= std::max(begin.tolerance, end.tolerance));
-  if (doubtful) ++counters.doubtful_arcs;
   // The chord between twins has no length and meets no row: what is missing must be counted here.
   if (is_round) out.lost_loops.push_back(face_->id);
   append_chord(first, second, a.xy, b.xy, doubtful, out);
@@ -474,7 +457,7 @@ double FaceSection::height_off(const SectionPoint& a, const SectionPoint& b) con
   return std::abs(off.dot(at.normal().normalized()));
 }
 
-void FaceSection::cut_loop(Family& family, double z, Section& out, SectionCounters& counters) {
+void FaceSection::cut_loop(Family& family, double z, Section& out) {
   const FacePoint seed = cut_point(family, z);
   CarriedArc& carried = family.carried;
   if (seed.usable && !carried.empty() &&
@@ -482,7 +465,6 @@ void FaceSection::cut_loop(Family& family, double z, Section& out, SectionCounte
     append(seed.node, seed.node, carried.arc.pieces, out);
     return;
   }
-  ++counters.traced;
   if (seed.usable && trace(face_->surface, face_->sign, seed.point, {&seed.point, 1}, limits_, carried.arc)) {
     carried.start(z);
     append(seed.node, seed.node, carried.arc.pieces, out);

@@ -51,7 +51,7 @@ class FaceSection {
               std::span<const double> heights);
 
   /// Appends the face's arcs on one of the heights, the one that `nodes` has been set to.
-  void cut(std::size_t layer, NodeTable& nodes, Section& out, SectionCounters& counters);
+  void cut(std::size_t layer, NodeTable& nodes, Section& out);
 
  private:
   /// An arc as it goes through a band: from one use to another, or a loop from a cut.
@@ -88,7 +88,7 @@ class FaceSection {
     bool visited = false;       ///< an arc that is known passes through it
   };
 
-  void enter_band(std::size_t band, double z, NodeTable& nodes, SectionCounters& counters);
+  void enter_band(std::size_t band, double z, NodeTable& nodes);
   void pair_plane(double z, const NodeTable& nodes);
   void pair_round(double z, const NodeTable& nodes);
   /// Pairs at height z; if that is the layer's own height the arcs are kept as they were traced.
@@ -115,22 +115,22 @@ class FaceSection {
 
   void cut_plane(double z, NodeTable& nodes, Section& out) const;
   void cut_round(double z, NodeTable& nodes, Section& out);
-  void cut_traced(double z, NodeTable& nodes, Section& out, SectionCounters& counters);
-  void carry_families(double z, NodeTable& nodes, SectionCounters& counters);
+  void cut_traced(double z, NodeTable& nodes, Section& out);
+  void carry_families(double z, NodeTable& nodes);
   void drop_pierced_families(double inner, NodeTable& nodes);
   void pieces_of(const Family& family, double inner);
   [[nodiscard]] static bool passes_near(const std::vector<ArcPiece>& pieces, const Vec2& xy);
   /// False if the arc, or a part of it, couldn't be followed.
-  bool cut_arc(Family& family, const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters);
+  bool cut_arc(Family& family, const FacePoint& begin, const FacePoint& end, Section& out);
   [[nodiscard]] FacePoint layer_point(std::uint32_t use, double z, double inner, NodeTable& nodes) const;
   bool keeps_to_nodes(const Family& family, const ArcPiece* pieces, std::uint32_t count, NodeTable& nodes) const;
   bool cut_by_sheet(Family& family, double inner, NodeTable& nodes, Section& out) const;
-  void try_sheet(Family& family, double inner, const NodeTable& nodes, SectionCounters& counters);
+  void try_sheet(Family& family, double inner, const NodeTable& nodes);
   /// An arc that can't be followed from end to end: both ways as far as they come nearest, and a chord between.
-  void bridge(const FacePoint& begin, const FacePoint& end, Section& out, SectionCounters& counters);
+  void bridge(const FacePoint& begin, const FacePoint& end, Section& out);
   /// Distance of the face from the middle of the chord between two of its points, mm.
   [[nodiscard]] double height_off(const SectionPoint& a, const SectionPoint& b) const;
-  void cut_loop(Family& family, double z, Section& out, SectionCounters& counters);
+  void cut_loop(Family& family, double z, Section& out);
 
   /// Notes on the arcs from number `first` on, those of one family on the layer z, what the face says in their nodes.
   void note_normals(const Family& family, std::size_t first, double z, NodeTable& nodes, Section& out) const;

@@ -41,16 +41,4 @@ struct Section {
   }
 };
 
-/// What cutting faces met.
-struct SectionCounters {
-  std::uint64_t arcs = 0;
-  std::uint64_t families = 0;          ///< pairings of nodes found
-  std::uint64_t carried_families = 0;  ///< of them, kept over an event
-  std::uint64_t sheets = 0;            ///< runs of layers interpolated
-  std::uint64_t traced = 0;            ///< arcs followed step by step
-  std::uint64_t doubtful_arcs = 0;     ///< chords in place of arcs that could not be traced
-
-  SectionCounters& operator+=(const SectionCounters& other);
-};
-
 }  // namespace lamella::span

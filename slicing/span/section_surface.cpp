@@ -16,9 +16,6 @@ namespace {
 /// Share of the domain by which the outer cells reach beyond it.
 constexpr double kOuterMargin = 0.02;
 
-/// Share of a cell by which a point beyond its limit is still on it.
-constexpr double kCellSlack = 1e-12;
-
 /// Share of a cell within which an edge's tolerance may move a point over its limit.
 constexpr double kNearLimit = 1e-4;
 

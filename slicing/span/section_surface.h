@@ -10,6 +10,10 @@
 
 namespace lamella::span {
 
+/// Share of a cell by which a point beyond its limit is still on it: rounding only. At a corner of four cells more
+/// would let a section over two limits at once.
+inline constexpr double kCellSlack = 1e-12;
+
 /// One part of a surface within which it has continuous second derivatives, by its number along u and v; zeros for
 /// surfaces that are smooth all over. Knots of less continuity are the limits between cells; arcs have points on them.
 struct Cell {

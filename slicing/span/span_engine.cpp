@@ -91,11 +91,11 @@ class SolidSlab {
     }
   }
 
-  void cut(std::size_t layer, Section& out, SectionCounters& counters) {
+  void cut(std::size_t layer, Section& out) {
     const double z = heights_[layer];
     if (!solid_->meets(z, z)) return;
     nodes_.start_layer(z);
-    for (FaceSection& face : faces_) face.cut(layer, nodes_, out, counters);
+    for (FaceSection& face : faces_) face.cut(layer, nodes_, out);
   }
 
  private:
@@ -147,14 +147,13 @@ struct SpanEngine::Data {
     TraceLimits as_pieces = limits();
     as_pieces.ellipses = false;
     Section section;
-    SectionCounters counters;
     for (std::size_t first = 0; first < heights.size(); first += kSlabLayers) {
       const auto layers = heights.subspan(first, std::min(kSlabLayers, heights.size() - first));
       std::optional<SolidSlab> slab;
       if (solid != solids.end()) slab.emplace(*scene, **solid, layers, as_pieces);
       for (std::size_t i = 0; i < layers.size(); ++i) {
         section.clear();
-        if (slab) slab->cut(i, section, counters);
+        if (slab) slab->cut(i, section);
         visit(layers[i], section);
       }
     }
@@ -192,11 +191,9 @@ void SpanEngine::cut(std::span<const LayerRequest> slab, std::span<LayerSpans> o
   }
   RowCast rows(*data_->scene);
   Section section;
-  SectionCounters counters;
   for (std::size_t i = 0; i < slab.size(); ++i) {
     section.clear();
-    counters = {};
-    for (SolidSlab& solid : solids) solid.cut(i, section, counters);
+    for (SolidSlab& solid : solids) solid.cut(i, section);
     // A loop that could not be traced is missing on every row that it crosses: a doubt like that of a hit.
     out[i].cast.uncertain_hits += section.lost_loops.size();
     for (const FaceId face : section.lost_loops) {

@@ -12,7 +12,6 @@ namespace {
 constexpr std::size_t kMaxPieces = 20000;
 constexpr int kMaxAttempts = 60;
 constexpr double kLargestTurn = 0.5;      // radians of one step
-constexpr double kCellSlack = 1e-12;      // of a cell: beyond its limit by less is on it
 constexpr double kCorrectionShare = 0.3;  // of a step: a longer correction is not trusted
 constexpr double kGrowth = 2.0;
 
