@@ -215,6 +215,27 @@ TEST(Slicer, JudgesAVolumeThatIsTooFarOff) {
   EXPECT_FALSE(report.within_budget());
 }
 
+TEST(Slicer, SaysWhereTheEnginesOwnChecksFailed) {
+  const KnownScene known = mixed_scene();
+  SlabEngine engine = known.engine();
+  const SlabFunction cut = engine.cut;
+  engine.cut = [&](std::span<const LayerRequest> slab, std::span<LayerSpans> out) {
+    cut(slab, out);
+    for (std::size_t i = 0; i < slab.size(); ++i) {
+      if (slab[i].layer == 3) note_failed(out[i].failed, {Check::balance, SolidId{1}, {}, 4});
+    }
+  };
+  Recorder recorder;
+  SliceOptions options;
+  const SliceReport report =
+      slice_with(engine, known.scene, known.table, known.measures, known.plan(0.25, 0.25), options, recorder);
+  const auto names = [](const Finding& finding) {
+    return finding.solid == "/ball" &&
+           finding.what.find("don't balance: layer 3 (z = 0.875 mm), rows: 4") != std::string::npos;
+  };
+  EXPECT_EQ(std::count_if(report.findings.begin(), report.findings.end(), names), 1);
+}
+
 TEST(Slicer, NamesASolidThatFallsBetweenTheRows) {
   KnownScene known;
   known.add(box(Vec3(0, 0, 0), Vec3(4, 4, 4)), 0, 0, "block");
