@@ -6,41 +6,13 @@
 #include <vector>
 
 #include "slicing/span/face_model.h"
+#include "slicing/span/node_table.h"
 #include "slicing/span/propagate.h"
 #include "slicing/span/section.h"
 #include "slicing/span/sheet.h"
 #include "slicing/span/tracer.h"
 
 namespace lamella::span {
-
-/// Where an edge piece crosses a layer.
-struct Node {
-  double t = 0.0;  ///< parameter of the edge's curve
-  Vec2 xy = Vec2::Zero();
-  double z = 0.0;
-  double rate = 0.0;  ///< dt / dz
-};
-
-/// The nodes of one layer, each computed once and read by both faces of its edge.
-class NodeTable {
- public:
-  explicit NodeTable(const EdgePieces& edges);
-
-  /// Forgets the nodes of the last layer; their parameters stay as first guesses.
-  void start_layer(double z);
-  [[nodiscard]] const Node& node(std::uint32_t piece);
-  /// A node at another height, not kept.
-  [[nodiscard]] Node node_at(std::uint32_t piece, double z) const;
-
- private:
-  [[nodiscard]] Node cross(std::uint32_t piece, double z) const;
-
-  const EdgePieces* edges_;
-  double z_ = 0.0;
-  std::uint32_t layer_ = 0;
-  std::vector<Node> nodes_;
-  std::vector<std::uint32_t> stamp_;
-};
 
 /// Cuts one face layer by layer, upward. What it knows of the band it is in (which node joins which) is carried from
 /// one layer to the next.
