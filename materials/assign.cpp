@@ -38,13 +38,79 @@ int priority_of(const MaterialRules& rules, MaterialId material) {
   return material.value() < rules.priorities.size() ? rules.priorities[material.value()] : 0;
 }
 
-/// What the first matching rule, else the default, makes of a solid; nothing when neither covers it.
-std::optional<Assignment> assign(const SolidInfo& solid, const MaterialRules& rules) {
+bool stands_for(const LibraryMatch& match, const SolidInfo& solid) {
+  switch (match.source) {
+    case MaterialSource::step_material:
+      return matches_glob(match.pattern, solid.step_material);
+    case MaterialSource::layer:
+      return matches_glob(match.pattern, solid.layer);
+    case MaterialSource::name:
+      return matches_glob(match.pattern, solid.name);
+    case MaterialSource::path:
+      return matches_glob(match.pattern, solid.path);
+    case MaterialSource::color:
+      return match.color && solid.color && same_color(*match.color, *solid.color);
+  }
+  return false;
+}
+
+/// The match in the user's words: "metals.xml:12 step_material=AISI 3*".
+std::string describe(const LibraryMatch& match) {
+  const std::string value = match.color ? format_color(*match.color) : match.pattern;
+  for (const auto& [source, word] : kMaterialSources) {
+    if (source == match.source) return match.where + " " + word + "=" + value;
+  }
+  return match.where;
+}
+
+/// What the library knows of a solid by one source; two materials that both stand for it are a mistake in it.
+const LibraryMatch* find_match(const SolidInfo& solid, const MaterialRules& rules, MaterialSource source) {
+  const LibraryMatch* found = nullptr;
+  for (const LibraryMatch& match : rules.matches) {
+    if (match.source != source || !stands_for(match, solid)) continue;
+    if (found == nullptr) found = &match;
+    if (found->material == match.material) continue;
+    throw InputError("two materials of the library stand for the solid '" + solid.path + "': '" +
+                         rules.library[found->material].name + "' and '" + rules.library[match.material].name + "'",
+                     describe(*found) + " and " + describe(match),
+                     "narrow one of them, or give the solid a line of its own: <solid path=...>");
+  }
+  return found;
+}
+
+std::optional<Assignment> assign_by_override(const SolidInfo& solid, const MaterialRules& rules) {
+  for (const SolidOverride& own : rules.overrides) {
+    if (own.path != solid.path) continue;
+    const MaterialId material = find_material(rules, own.material, own.where);
+    return Assignment{material, own.priority.value_or(priority_of(rules, material)), own.where + " path=" + own.path};
+  }
+  return std::nullopt;
+}
+
+std::optional<Assignment> assign_by_rule(const SolidInfo& solid, const MaterialRules& rules) {
   for (const MaterialRule& rule : rules.rules) {
     if (!rule_matches(rule, solid)) continue;
     const MaterialId material = find_material(rules, rule.material, rule.where);
     return Assignment{material, rule.priority.value_or(priority_of(rules, material)), describe(rule)};
   }
+  return std::nullopt;
+}
+
+std::optional<Assignment> assign_by_source(const SolidInfo& solid, const MaterialRules& rules) {
+  for (const MaterialSource source : rules.sources) {
+    const LibraryMatch* match = find_match(solid, rules, source);
+    if (match == nullptr) continue;
+    const MaterialId material{match->material};
+    return Assignment{material, priority_of(rules, material), describe(*match)};
+  }
+  return std::nullopt;
+}
+
+/// Nothing when not even a default covers the solid.
+std::optional<Assignment> assign(const SolidInfo& solid, const MaterialRules& rules) {
+  if (auto own = assign_by_override(solid, rules)) return own;
+  if (auto ruled = assign_by_rule(solid, rules)) return ruled;
+  if (auto known = assign_by_source(solid, rules)) return known;
   if (!rules.fallback) return std::nullopt;
   const MaterialId material = find_material(rules, *rules.fallback, rules.source);
   return Assignment{material, priority_of(rules, material), rules.source + " default"};
@@ -56,7 +122,8 @@ std::optional<Assignment> assign(const SolidInfo& solid, const MaterialRules& ru
   const bool one = paths.size() == 1;
   throw InputError(
       (one ? "1 solid has no material: " : std::to_string(paths.size()) + " solids have no material: ") + list, source,
-      "add an <assign> for each, or name a default in <assignments default=\"...\">");
+      "add an <assign> for each, or name a default in <assignments default=\"...\">; lamella info FILE... shows what "
+      "the file says of them");
 }
 
 }  // namespace
@@ -80,11 +147,27 @@ MaterialTable assign_materials(const Scene& scene, const MaterialRules& rules) {
   return table;
 }
 
+namespace {
+
+Finding unused(const std::string& rule, bool matches) {
+  Finding finding;
+  finding.what = "rule " + rule + " decides about no solid";
+  finding.hint = matches ? "earlier rules take all that it matches" : "nothing matches it: see lamella info";
+  return finding;
+}
+
+bool has_override(const SolidInfo& solid, const MaterialRules& rules) {
+  return std::any_of(rules.overrides.begin(), rules.overrides.end(),
+                     [&](const SolidOverride& own) { return own.path == solid.path; });
+}
+
+}  // namespace
+
 std::vector<Finding> find_unused_rules(const Scene& scene, const MaterialRules& rules) {
   std::vector<bool> matches(rules.rules.size(), false);
   std::vector<bool> decides(rules.rules.size(), false);
   for (const Solid& solid : scene.solids) {
-    bool decided = false;
+    bool decided = has_override(solid.info, rules);
     for (std::size_t r = 0; r < rules.rules.size(); ++r) {
       if (!rule_matches(rules.rules[r], solid.info)) continue;
       matches[r] = true;
@@ -93,12 +176,13 @@ std::vector<Finding> find_unused_rules(const Scene& scene, const MaterialRules& 
     }
   }
   std::vector<Finding> findings;
+  for (const SolidOverride& own : rules.overrides) {
+    const bool is_there = std::any_of(scene.solids.begin(), scene.solids.end(),
+                                      [&](const Solid& solid) { return solid.info.path == own.path; });
+    if (!is_there) findings.push_back(unused(own.where + " path=" + own.path, false));
+  }
   for (std::size_t r = 0; r < rules.rules.size(); ++r) {
-    if (decides[r]) continue;
-    Finding finding;
-    finding.what = "rule " + describe(rules.rules[r]) + " decides about no solid";
-    finding.hint = matches[r] ? "earlier rules take all that it matches" : "nothing matches it: see lamella info";
-    findings.push_back(std::move(finding));
+    if (!decides[r]) findings.push_back(unused(describe(rules.rules[r]), matches[r]));
   }
   return findings;
 }

@@ -1,79 +1,49 @@
 #include <algorithm>
 #include <map>
+#include <sstream>
 #include <tuple>
 
 #include "core/error.h"
 #include "core/xml.h"
-#include "materials/color.h"
-#include "materials/glob.h"
 #include "materials/material_rules.h"
+#include "materials/read_library.h"
+#include "materials/rule_fields.h"
 
 namespace lamella {
 
 namespace {
 
-constexpr const char* kNamespace = "urn:lamella:materials:1";
-constexpr long kMaxPriority = 1000000;
-
 std::string in_quotes(const std::string& text) { return "'" + text + "'"; }
 
-/// A name on one line, without blanks at its ends.
-std::string read_name(const XmlElement& element, const char* attribute) {
-  std::string name = element.attribute(attribute);
-  const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; };
-  const bool multiline = name.find_first_of("\r\n") != std::string::npos;
-  if (name.empty() || multiline || blank(name.front()) || blank(name.back())) {
-    throw InputError(std::string(attribute) + "=\"" + name + "\" is no name", element.where(),
-                     "write one line, not empty, without blanks at its ends");
+/// The sources that a list of words names, each once.
+std::vector<MaterialSource> read_sources(const XmlElement& element) {
+  std::vector<MaterialSource> sources;
+  std::istringstream words(element.attribute("sources"));
+  for (std::string word; words >> word;) {
+    const auto known = std::find_if(kMaterialSources.begin(), kMaterialSources.end(),
+                                    [&](const auto& source) { return word == source.second; });
+    const bool is_new =
+        known != kMaterialSources.end() && std::find(sources.begin(), sources.end(), known->first) == sources.end();
+    if (!is_new) {
+      throw InputError("sources=\"...\" has " + in_quotes(word) + (known == kMaterialSources.end() ? "" : " twice"),
+                       element.where(), "list some of step_material, layer, color, name and path, each once");
+    }
+    sources.push_back(known->first);
   }
-  return name;
-}
-
-int read_priority(const XmlElement& element, int fallback) {
-  const long priority = element.integer_or("priority", fallback);
-  if (priority < -kMaxPriority || priority > kMaxPriority) {
-    throw InputError("priority " + std::to_string(priority) + " is out of range", element.where(),
-                     "use -1000000 to 1000000; the higher wins");
-  }
-  return static_cast<int>(priority);
-}
-
-Color read_color(const XmlElement& element) {
-  const std::string text = element.attribute("color");
-  if (const auto color = parse_color(text)) return *color;
-  throw InputError("color=\"" + text + "\" is no colour", element.where(), "write it as #rrggbb, e.g. #e6325a");
-}
-
-double read_density(const XmlElement& element) {
-  const double density = element.number("density");
-  if (density > 0.0 && density <= kMaxDensity) return density;
-  throw InputError("density " + element.attribute("density") + " is out of range", element.where(),
-                   "give it in g/cm^3 (steel: 7.85), more than 0 and at most 100");
-}
-
-std::string read_glob(const XmlElement& element, const char* attribute) {
-  std::string glob = element.attribute(attribute);
-  if (glob.empty()) throw InputError(std::string(attribute) + " is empty", element.where(), "leave it out or fill it");
-  if (const auto fault = glob_fault(glob)) {
-    throw InputError("the pattern " + in_quotes(glob) + " can't be used: " + *fault, element.where(),
-                     "see docs/formats/materials.md");
-  }
-  return glob;
-}
-
-void refuse_text(const XmlElement& element) {
-  if (!element.text().empty()) throw InputError("unexpected text", element.where(), "remove it");
+  if (sources.empty()) throw InputError("sources is empty", element.where(), "leave it out or fill it");
+  return sources;
 }
 
 /// Reads one file step by step; later steps rely on the names the library defined.
 class RulesReader {
  public:
-  explicit RulesReader(const XmlElement& root) {
+  RulesReader(const XmlElement& root, const std::filesystem::path& file) : library_(rules_, file) {
     root.allow_only({"version"}, {"library", "assignments"});
-    check_head(root);
+    check_materials_head(root);
     const auto library = root.child("library");
     if (!library) throw InputError("no <library>", root.where(), "list the materials in it");
-    read_library(*library);
+    library_.read(*library);
+    if (rules_.library.empty()) throw InputError("the library is empty", library->where(), "add a <material>");
     if (const auto assignments = root.child("assignments")) {
       if (assignments->line() < library->line()) {
         throw InputError("<assignments> comes before <library>", assignments->where(), "put the library first");
@@ -85,50 +55,39 @@ class RulesReader {
   [[nodiscard]] MaterialRules take() { return std::move(rules_); }
 
  private:
-  static void check_head(const XmlElement& root) {
-    if (root.attribute_or("xmlns", "") != kNamespace) {
-      throw InputError("not a Lamella materials file", root.where(),
-                       std::string("the root needs xmlns=\"") + kNamespace + "\"");
-    }
-    const std::string version = root.attribute("version");
-    const bool digits =
-        version.size() > 2 && version.size() < 7 && version.find_first_not_of("0123456789", 2) == std::string::npos;
-    if (version.starts_with("1.") && digits) return;
-    throw InputError("version " + in_quotes(version) + " isn't known", root.where(), "this program reads version 1.0");
-  }
-
-  void read_library(const XmlElement& library) {
-    library.allow_only({}, {"material"});
-    for (const XmlElement& element : library.children("material")) read_material(element);
-    if (rules_.library.empty()) throw InputError("the library is empty", library.where(), "add a <material>");
-  }
-
-  void read_material(const XmlElement& element) {
-    element.allow_only({"name", "density", "color", "priority"}, {});
-    refuse_text(element);
-    Material material;
-    material.name = read_name(element, "name");
-    const auto [first, added] = lines_.emplace(material.name, element.line());
-    if (!added) {
-      throw InputError("material " + in_quotes(material.name) + " is defined twice", element.where(),
-                       "the first is in line " + std::to_string(first->second));
-    }
-    if (element.has("density")) material.density = read_density(element);
-    material.color = element.has("color") ? read_color(element) : distinct_color(rules_.library.size());
-    rules_.priorities.push_back(read_priority(element, 0));
-    rules_.library.push_back(std::move(material));
-  }
-
   void read_assignments(const XmlElement& assignments) {
-    assignments.allow_only({"default"}, {"assign"});
+    assignments.allow_only({"default", "sources"}, {"solid", "assign"});
     if (assignments.has("default")) rules_.fallback = read_reference(assignments, "default");
-    for (const XmlElement& element : assignments.children("assign")) read_rule(element);
+    if (assignments.has("sources")) rules_.sources = read_sources(assignments);
+    for (const XmlElement& element : assignments.children()) {
+      if (element.name() == "solid") {
+        read_override(element);
+      } else {
+        read_rule(element);
+      }
+    }
+  }
+
+  void read_override(const XmlElement& element) {
+    element.allow_only({"path", "material", "priority"}, {});
+    refuse_text(element);
+    if (!rules_.rules.empty()) {
+      throw InputError("<solid> comes after an <assign>", element.where(), "put it first: it goes before every rule");
+    }
+    SolidOverride own{read_name(element, "path"), read_reference(element, "material"), {}, element.where()};
+    if (element.has("priority")) own.priority = read_priority(element, 0);
+    for (const SolidOverride& earlier : rules_.overrides) {
+      if (earlier.path != own.path) continue;
+      throw InputError("the solid " + in_quotes(own.path) + " has two lines", own.where,
+                       "the first is at " + earlier.where);
+    }
+    rules_.overrides.push_back(std::move(own));
   }
 
   /// The name of a material that the library must have.
   std::string read_reference(const XmlElement& element, const char* attribute) const {
     std::string name = read_name(element, attribute);
-    if (lines_.contains(name)) return name;
+    if (library_.contains(name)) return name;
     std::string known;
     for (const Material& material : rules_.library) known += (known.empty() ? "" : ", ") + material.name;
     throw InputError("material " + in_quotes(name) + " isn't in the library", element.where(), "known: " + known);
@@ -170,7 +129,7 @@ class RulesReader {
                               std::optional<std::string>, std::optional<Color>>;
 
   MaterialRules rules_;
-  std::map<std::string, int> lines_;
+  LibraryReader library_;
   std::map<Selector, std::string> selectors_;
 };
 
@@ -178,7 +137,7 @@ class RulesReader {
 
 MaterialRules read_material_rules(const std::filesystem::path& path) {
   const XmlDocument document = XmlDocument::read(path);
-  MaterialRules rules = RulesReader(document.root("materials")).take();
+  MaterialRules rules = RulesReader(document.root("materials"), path).take();
   rules.source = path.string();
   return rules;
 }

@@ -1,3 +1,4 @@
+#include <fstream>
 #include <gmock/gmock.h>
 
 #include "tests/apps/command_json.h"
@@ -88,11 +89,28 @@ TEST(Info, SolidsThatNoRuleCoversAreListed) {
   EXPECT_THAT(result.errors, HasSubstr("decides about no solid"));
 }
 
+TEST(Info, PreviewsWhichLineDecidesAboutEachSolid) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "shop.xml") << "<materials xmlns=\"urn:lamella:materials:1\" version=\"1.1\"><library>\n"
+                                        "<material name=\"steel\"><match name=\"*\"/></material>\n"
+                                        "</library></materials>";
+  std::ofstream(folder / "m.xml") << "<materials xmlns=\"urn:lamella:materials:1\" version=\"1.1\">\n"
+                                     "<library><include href=\"shop.xml\"/></library>\n"
+                                     "<assignments sources=\"step_material name\"/></materials>";
+  const CommandResult result = run_lamella("info " + boxes() + " --json --materials " + quoted(folder / "m.xml"));
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  for (const Json& solid : Json::parse(result.output)["solids"]) {
+    EXPECT_EQ(solid["material"], "steel");
+    EXPECT_THAT(solid["rule"].get<std::string>(), HasSubstr("shop.xml:2 name=*"));
+  }
+}
+
 TEST(Info, AnErrorInTheMaterialsFileNamesItsLine) {
-  const CommandResult result = run_lamella("info " + boxes() + " --materials " +
-                                           quoted(source_dir() / "schemas/invalid/materials/unknown_material.xml"));
+  const CommandResult result =
+      run_lamella("info " + boxes() + " --materials " +
+                  quoted(source_dir() / "schemas/invalid/materials/solid_without_material.xml"));
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.errors, HasSubstr("unknown_material.xml:7"));
+  EXPECT_THAT(result.errors, HasSubstr("solid_without_material.xml:4"));
 }
 
 TEST(Info, AnUnwritableStarterFileIsExitCodeFour) {
