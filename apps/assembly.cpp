@@ -1,19 +1,23 @@
 #include "apps/assembly.h"
 
 #include "model/solid_status.h"
-#include "model/step/read_step.h"
 #include "slicing/slicer.h"
 
 namespace lamella::apps {
 
 Assembly read_assembly(const Session& session, const std::vector<std::string>& files,
                        const std::optional<std::string>& materials) {
+  std::vector<StepPart> parts;
+  for (const std::string& file : files) parts.push_back({file, {}});
+  return read_assembly(session, parts, materials);
+}
+
+Assembly read_assembly(const Session& session, std::span<const StepPart> parts,
+                       const std::optional<std::string>& materials) {
   std::optional<MaterialRules> rules;
   if (materials) rules = read_material_rules(*materials);
-  const std::vector<std::filesystem::path> paths(files.begin(), files.end());
-
   Assembly assembly;
-  assembly.scene = read_step(paths, {}, session.progress());
+  assembly.scene = read_step_parts(parts, {}, session.progress());
   assembly.findings = assembly.scene.findings;
   if (rules) {
     const std::vector<Finding> unused = find_unused_rules(assembly.scene, *rules);

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "materials/material_rules.h"
 #include "model/measure.h"
 #include "model/scene.h"
+#include "model/step/read_step.h"
 
 namespace lamella::apps {
 
@@ -22,6 +24,8 @@ struct Assembly {
 
 /// Reads STEP files as one assembly and says on stderr what is doubtful. The materials file, if any, is read first, so
 /// that a slip in it costs no waiting. Throws InputError, UsageError, Cancelled.
+[[nodiscard]] Assembly read_assembly(const Session& session, std::span<const StepPart> parts,
+                                     const std::optional<std::string>& materials);
 [[nodiscard]] Assembly read_assembly(const Session& session, const std::vector<std::string>& files,
                                      const std::optional<std::string>& materials);
 

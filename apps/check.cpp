@@ -3,7 +3,9 @@
 #include <fstream>
 
 #include "apps/assembly.h"
+#include "apps/job.h"
 #include "apps/options.h"
+#include "apps/slice_options.h"
 #include "apps/verbs.h"
 #include "export/build_check.h"
 #include "export/xml_slices.h"
@@ -113,6 +115,17 @@ Findings check_materials(const fs::path& file) {
   });
 }
 
+Findings check_job(const fs::path& file) {
+  return collect([&] {
+    CLI::App slice;
+    CommonOptions common;
+    add_slice_options(slice);
+    add_common(slice, common);
+    (void)read_job(file, slice);
+    return Findings{};
+  });
+}
+
 std::string where_of(const Finding& finding) {
   std::string where;
   for (const std::string& part : {finding.solid, finding.face, finding.entity}) {
@@ -172,6 +185,7 @@ Findings check_file(const Session& session, const fs::path& file) {
   const std::string head = read_head(file);
   const std::string root = root_name(head);
   if (root == "materials") return check_materials(file);
+  if (root == "job") return check_job(file);
   if (root == "slices") return check_slices(session, file);
   if (root == "build") return check_stored_build(session, fs::absolute(file).parent_path());
   if (root == "!DOCTYPE") {
@@ -179,11 +193,11 @@ Findings check_file(const Session& session, const fs::path& file) {
   }
   if (!root.empty()) {
     throw InputError("XML of another kind: <" + root + ">", file.string(),
-                     "materials, slices and build files can be checked");
+                     "materials, job, slices and build files can be checked");
   }
   if (head.find("ISO-10303-21") != std::string::npos) return check_step(session, file);
   throw InputError("neither a STEP file nor an XML file of ours", file.string(),
-                   "check a build folder, a STEP file, or a materials, slices or build file");
+                   "check a build folder, a STEP file, or a materials, job, slices or build file");
 }
 
 Findings check_path(const Session& session, const fs::path& path) {
@@ -219,7 +233,7 @@ ExitCode run(const Session& session, const std::string& path) {
 void add_check(CLI::App& program, CommonOptions& common, Action& action) {
   CLI::App* verb = program.add_subcommand("check", "what is wrong where: a build, our XML files, a STEP file");
   auto path = std::make_shared<std::string>();
-  verb->add_option("path", *path, "a build folder, a materials, slices or build file, or a STEP file")
+  verb->add_option("path", *path, "a build folder, a materials, job, slices or build file, or a STEP file")
       ->required()
       ->type_name("PATH");
   add_common(*verb, common);

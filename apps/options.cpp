@@ -48,8 +48,10 @@ std::vector<double> parse_numbers(std::string_view option, std::string_view text
     rest.remove_prefix(comma + 1);
   }
   if (values.size() != count) {
-    refuse(option, text, count == 3 ? "is not three numbers" : "is not two numbers",
-           count == 3 ? "write x,y,z without blanks" : "write x,y without blanks");
+    static constexpr const char* kWords[] = {"is not two numbers", "is not three numbers", "is not four numbers"};
+    static constexpr const char* kHints[] = {"write x,y without blanks", "write x,y,z without blanks",
+                                             "write them with commas between, without blanks"};
+    refuse(option, text, kWords[count - 2], kHints[count - 2]);
   }
   return values;
 }

@@ -16,7 +16,7 @@ namespace lamella::apps {
 [[nodiscard]] double parse_number(std::string_view option, std::string_view text);
 /// The same, more than zero.
 [[nodiscard]] double parse_positive(std::string_view option, std::string_view text);
-/// `count` numbers with commas between.
+/// `count` numbers with commas between, two to four.
 [[nodiscard]] std::vector<double> parse_numbers(std::string_view option, std::string_view text, std::size_t count);
 [[nodiscard]] Vec3 parse_vector(std::string_view option, std::string_view text);
 /// A whole number in [low, high].

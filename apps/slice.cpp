@@ -34,7 +34,9 @@ Box3 bounds_of(const Assembly& assembly) {
 void check_request(const SliceRequest& request) {
   std::vector<std::filesystem::path> places;
   for (const Output& output : request.outputs) places.push_back(output.path);
-  std::vector<std::string> inputs = request.files;
+  std::vector<std::string> inputs;
+  for (const StepPart& part : request.parts) inputs.push_back(part.file.string());
+  if (request.job) inputs.push_back(*request.job);
   if (request.materials) inputs.push_back(*request.materials);
   refuse_inputs_as_outputs(places, inputs);
   for (const Output& output : request.outputs) check_writable(output);
@@ -83,7 +85,7 @@ ExitCode run(const Session& session, const SliceRequest& request) {
   Stopwatch watch;
   Timing timing;
   check_request(request);
-  Assembly assembly = read_assembly(session, request.files, request.materials);
+  Assembly assembly = read_assembly(session, request.parts, request.materials);
   assembly.table.policy = request.policy;
   require_solid(assembly.scene, request.slice.allow_open);
   timing.read = watch.lap();
@@ -111,7 +113,7 @@ ExitCode run(const Session& session, const SliceRequest& request) {
 void add_slice(CLI::App& program, CommonOptions& common, Action& action) {
   CLI::App* verb = program.add_subcommand("slice", "the main job: STEP files in, material-labelled layers out");
   auto files = std::make_shared<std::vector<std::string>>();
-  verb->add_option("files", *files, "STEP files; several are one assembly")->required()->type_name("FILE");
+  verb->add_option("files", *files, "STEP files; several are one assembly")->type_name("FILE");
   add_slice_options(*verb);
   add_common(*verb, common);
   verb->footer(
@@ -121,10 +123,11 @@ void add_slice(CLI::App& program, CommonOptions& common, Action& action) {
       "  lamella slice grip.step -o build --dpi 600,300 --layer-height 0.027 --png images --vdb grip.vdb\n"
       "  lamella slice grip.step -o build --hatch-spacing 0.4 --hatch-angle 45 --rotate-per-layer 90\n"
       "  lamella slice grip.step -o build --pitch 0.02 --dry-run\n"
+      "  lamella slice --job tray.xml\n"
       "Exit code 0: done and trustworthy, 1: usage, 2: input, 3: done, but the error budget is exceeded, 4: an output\n"
       "could not be written, 130: cancelled.");
-  verb->final_callback([verb, files, &action] {
-    action = [request = read_slice_request(*verb, *files)](const Session& session) mutable {
+  verb->final_callback([verb, files, &common, &action] {
+    action = [request = read_slice_request(*verb, *files, common)](const Session& session) mutable {
       request.slice.threads = session.threads();
       return run(session, request);
     };

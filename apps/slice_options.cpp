@@ -1,6 +1,7 @@
 #include "apps/slice_options.h"
 
 #include "apps/engine_options.h"
+#include "apps/job.h"
 #include "apps/options.h"
 #include "core/error.h"
 
@@ -61,7 +62,8 @@ PlanOptions read_plan(const CLI::App& verb) {
 }  // namespace
 
 void add_slice_options(CLI::App& verb) {
-  add_value(verb, "-o,--output", "folder of the build (the layers, as HDF5 and XML)", "BUILD")->required();
+  add_value(verb, "-o,--output", "folder of the build (the layers, as HDF5 and XML)", "BUILD");
+  add_value(verb, "--job", "parts, placements and any of these options from a file", "J.xml");
   add_value(verb, "--layer-height", "mm (default: about 500 layers on the larger extent)", "MM");
   add_value(verb, "--pitch", "pitch of the raster, both axes or x,y (default: about 1000 rows)", "MM[,MM]");
   add_value(verb, "--dpi", "the same as dots per inch", "DPI[,DPI]");
@@ -81,11 +83,36 @@ void add_slice_options(CLI::App& verb) {
   add_switch(verb, "--dry-run", "only say how many layers, rows and rays, and estimate time, memory and bytes");
 }
 
-SliceRequest read_slice_request(const CLI::App& verb, const std::vector<std::string>& files) {
+namespace {
+
+std::vector<StepPart> parts_of(const std::vector<std::string>& files) {
+  std::vector<StepPart> parts;
+  for (const std::string& file : files) parts.push_back({file, {}});
+  return parts;
+}
+
+/// What to slice, from the command line or the job.
+std::vector<StepPart> read_parts(CLI::App& verb, const std::vector<std::string>& files, CommonOptions& common) {
+  const auto file = given(verb, "--job");
+  if (!file) {
+    if (files.empty()) throw UsageError("files is required", {}, "name STEP files, or a job that does: --job J.xml");
+    return parts_of(files);
+  }
+  Job job = read_job(*file, verb);
+  apply_job(job, verb, common);
+  return files.empty() ? std::move(job.parts) : parts_of(files);
+}
+
+}  // namespace
+
+SliceRequest read_slice_request(CLI::App& verb, const std::vector<std::string>& files, CommonOptions& common) {
   SliceRequest request;
-  request.files = files;
+  request.parts = read_parts(verb, files, common);
+  request.job = given(verb, "--job");
   request.materials = given(verb, "--materials");
-  request.build = *given(verb, "--output");
+  const auto build = given(verb, "--output");
+  if (!build) throw UsageError("--output is required", {}, "name a folder for the build: -o BUILD");
+  request.build = *build;
   request.outputs.push_back({"store", request.build});
   for (const std::string& format : available_formats()) {
     if (const auto path = given(verb, "--" + format)) request.outputs.push_back({format, *path});

@@ -7,6 +7,7 @@
 
 #include "apps/outputs.h"
 #include "materials/material_table.h"
+#include "model/step/read_step.h"
 #include "slicing/layer_plan.h"
 #include "slicing/slicer.h"
 
@@ -14,7 +15,8 @@ namespace lamella::apps {
 
 /// All that `lamella slice` was asked for.
 struct SliceRequest {
-  std::vector<std::string> files;
+  std::vector<StepPart> parts;
+  std::optional<std::string> job;  ///< the file that named them
   std::optional<std::string> materials;
   std::string build;            ///< the store's folder
   std::vector<Output> outputs;  ///< the store first, then the formats asked for
@@ -28,7 +30,10 @@ struct SliceRequest {
 /// Adds the options of the verb but for the files.
 void add_slice_options(CLI::App& verb);
 
-/// Throws UsageError on numbers that make no sense and on options that lack the one they need.
-[[nodiscard]] SliceRequest read_slice_request(const CLI::App& verb, const std::vector<std::string>& files);
+/// The parts are `files`, else those of --job, whose options count where the command line has none.
+/// Throws UsageError on numbers that make no sense, on options that lack the one they need and when there is nothing to
+/// slice or no place for it; InputError on a job that can't be used.
+[[nodiscard]] SliceRequest read_slice_request(CLI::App& verb, const std::vector<std::string>& files,
+                                              CommonOptions& common);
 
 }  // namespace lamella::apps

@@ -122,6 +122,14 @@ long XmlElement::integer(const char* name) const {
 
 long XmlElement::integer_or(const char* name, long fallback) const { return has(name) ? integer(name) : fallback; }
 
+std::vector<std::string> XmlElement::attributes() const {
+  std::vector<std::string> names;
+  for (const auto* a = as_element(element_).FirstAttribute(); a != nullptr; a = a->Next()) {
+    if (!belongs_to_xml(a->Name())) names.emplace_back(a->Name());
+  }
+  return names;
+}
+
 std::vector<XmlElement> XmlElement::children() const {
   std::vector<XmlElement> out;
   const auto& element = as_element(element_);
@@ -189,6 +197,20 @@ XmlElement XmlDocument::root(std::string_view expected_name) const {
   throw InputError(
       "the root element is <" + std::string(root.name()) + ">, expected <" + std::string(expected_name) + ">",
       root.where(), "is it the right file?");
+}
+
+void check_xml_head(const XmlElement& root, std::string_view name_space, std::string_view kind) {
+  if (root.attribute_or("xmlns", "") != name_space) {
+    throw InputError("not a Lamella " + std::string(kind), root.where(),
+                     "the root needs xmlns=\"" + std::string(name_space) + "\"");
+  }
+  constexpr std::size_t kLongest = 6;  // 1.9999
+  const std::string version = root.attribute("version");
+  const bool is_known = version.starts_with("1.") && version.size() > 2 && version.size() <= kLongest &&
+                        version.find_first_not_of("0123456789", 2) == std::string::npos;
+  if (is_known) return;
+  throw InputError("version '" + version + "' isn't known", root.where(),
+                   "this program reads versions 1.0 and later 1.x");
 }
 
 }  // namespace lamella

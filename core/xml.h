@@ -32,6 +32,9 @@ class XmlElement {
   [[nodiscard]] long integer(const char* name) const;
   [[nodiscard]] long integer_or(const char* name, long fallback) const;
 
+  /// Names of the attributes but those that belong to XML itself (xmlns, xsi:...), in the order of the file.
+  [[nodiscard]] std::vector<std::string> attributes() const;
+
   [[nodiscard]] std::vector<XmlElement> children() const;
   [[nodiscard]] std::vector<XmlElement> children(std::string_view name) const;
   [[nodiscard]] std::optional<XmlElement> child(std::string_view name) const;
@@ -73,6 +76,10 @@ class XmlDocument {
   explicit XmlDocument(std::unique_ptr<detail::XmlDocumentData> data);
   std::unique_ptr<detail::XmlDocumentData> data_;
 };
+
+/// Checks the root of a settings file: its namespace and version="1.x". `kind` is what the file ought to be, for the
+/// message: "materials file". Throws InputError.
+void check_xml_head(const XmlElement& root, std::string_view name_space, std::string_view kind);
 
 /// `text` with the five XML specials escaped and control characters that XML 1.0 forbids replaced by U+FFFD.
 [[nodiscard]] std::string xml_escape(std::string_view text);

@@ -61,16 +61,6 @@ void refuse_text(const XmlElement& element) {
   if (!element.text().empty()) throw InputError("unexpected text", element.where(), "remove it");
 }
 
-void check_materials_head(const XmlElement& root) {
-  if (root.attribute_or("xmlns", "") != kNamespace) {
-    throw InputError("not a Lamella materials file", root.where(),
-                     std::string("the root needs xmlns=\"") + kNamespace + "\"");
-  }
-  const std::string version = root.attribute("version");
-  const bool digits =
-      version.size() > 2 && version.size() < 7 && version.find_first_not_of("0123456789", 2) == std::string::npos;
-  if (version.starts_with("1.") && digits) return;
-  throw InputError("version '" + version + "' isn't known", root.where(), "this program reads version 1.1");
-}
+void check_materials_head(const XmlElement& root) { check_xml_head(root, kNamespace, "materials file"); }
 
 }  // namespace lamella

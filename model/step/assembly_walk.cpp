@@ -70,10 +70,15 @@ class AssemblyWalk {
         entities_(entities),
         material_of_(material_of) {}
 
-  Assembly run() {
+  Assembly run(std::span<const RootPlace> places) {
     TDF_LabelSequence roots;
     shapes_->GetFreeShapes(roots);
-    visit_all(roots, Inherited{});
+    for (const RootPlace& place : places) {
+      Inherited from;
+      from.path = place.path;
+      from.place = place.location;
+      visit_all(roots, from);
+    }
     return std::move(assembly_);
   }
 
@@ -275,8 +280,8 @@ void AssemblyWalk::add_loose(const TopoDS_Shape& shape, const std::string& fallb
 }  // namespace
 
 Assembly walk_assembly(const Handle(TDocStd_Document) & document, const EntityIndex& entities,
-                       const MaterialOf& material_of) {
-  return AssemblyWalk(document, entities, material_of).run();
+                       const MaterialOf& material_of, std::span<const RootPlace> places) {
+  return AssemblyWalk(document, entities, material_of).run(places);
 }
 
 }  // namespace lamella::step

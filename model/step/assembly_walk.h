@@ -1,8 +1,10 @@
 #pragma once
 
 #include <TDocStd_Document.hxx>
+#include <TopLoc_Location.hxx>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -26,9 +28,15 @@ struct Assembly {
   FaceColors colors;
 };
 
-/// Walks all roots. Paths are unique among solids and loose geometry together. Throws InputError when the assembly is
-/// nested too deep or holds too many solids.
+/// Where a copy of all roots is placed, and what its paths begin with ("" or "/label").
+struct RootPlace {
+  std::string path;
+  TopLoc_Location location;
+};
+
+/// Walks all roots once for each place. Paths are unique among solids and loose geometry of a place together. Throws
+/// InputError when the assembly is nested too deep or holds too many solids.
 [[nodiscard]] Assembly walk_assembly(const Handle(TDocStd_Document) & document, const EntityIndex& entities,
-                                     const MaterialOf& material_of);
+                                     const MaterialOf& material_of, std::span<const RootPlace> places);
 
 }  // namespace lamella::step

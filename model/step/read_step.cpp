@@ -1,6 +1,7 @@
 #include "model/step/read_step.h"
 
 #include <fstream>
+#include <gp_Trsf.hxx>
 #include <map>
 #include <memory>
 #include <optional>
@@ -15,6 +16,7 @@
 #include "model/step/raw_topology.h"
 #include "model/step/solid_report.h"
 #include "model/step/step_session.h"
+#include "model/step/text.h"
 #include "model/topology.h"
 
 namespace lamella {
@@ -140,12 +142,52 @@ void report_loose(const step::Assembly& assembly, std::vector<Finding>& findings
   }
 }
 
+void check_placements(std::span<const StepPart> parts) {
+  // Rotations from decimal text are orthogonal to its digits.
+  constexpr double kOrthogonal = 1e-9;
+  std::size_t count = 0;
+  for (const StepPart& part : parts) {
+    count += part.placements.size();
+    for (const Motion& motion : part.placements) {
+      const bool is_finite = motion.turn.allFinite() && motion.shift.allFinite();
+      const bool is_rotation = (motion.turn * motion.turn.transpose() - Mat3::Identity()).norm() < kOrthogonal &&
+                               motion.turn.determinant() > 0.0;
+      if (is_finite && is_rotation) continue;
+      throw InputError("a placement is no rigid motion", part.file.string(), "turn and shift only, in finite numbers");
+    }
+  }
+  if (count <= kMaxPlacements) return;
+  throw InputError("more than " + std::to_string(kMaxPlacements) + " copies are asked for",
+                   parts.empty() ? std::string() : parts.front().file.string(), "slice a part of them at a time");
+}
+
+TopLoc_Location location_of(const Motion& motion) {
+  const Mat3& r = motion.turn;
+  const Vec3& t = motion.shift;
+  if (r == Mat3::Identity() && t == Vec3::Zero()) return {};
+  gp_Trsf placement;
+  placement.SetValues(r(0, 0), r(0, 1), r(0, 2), t.x(), r(1, 0), r(1, 1), r(1, 2), t.y(), r(2, 0), r(2, 1), r(2, 2),
+                      t.z());
+  return placement;
+}
+
+std::vector<step::RootPlace> root_places(const StepPart& part) {
+  std::vector<step::RootPlace> places;
+  for (const Motion& motion : part.placements) {
+    step::RootPlace place{{}, location_of(motion)};
+    if (!part.label.empty()) place.path = "/" + step::path_component(part.label, "part");
+    if (!place.path.empty() && part.placements.size() > 1) place.path += "." + std::to_string(places.size() + 1);
+    places.push_back(std::move(place));
+  }
+  return places;
+}
+
 /// Reads files into one scene.
 class Reader {
  public:
   Reader(const StepOptions& options, const Progress& progress) : options_(options), progress_(progress) {}
 
-  void read(const std::filesystem::path& path);
+  void read(const StepPart& part);
   Scene finish();
 
  private:
@@ -168,7 +210,8 @@ class Reader {
   std::set<std::string> paths_;
 };
 
-void Reader::read(const std::filesystem::path& path) {
+void Reader::read(const StepPart& part) {
+  const std::filesystem::path& path = part.file;
   std::string bytes = read_bytes(path, options_);
   const std::string name = path.string();
   const Part21 raw(bytes, progress_);
@@ -182,11 +225,11 @@ void Reader::read(const std::filesystem::path& path) {
   step::StepSession& session = *source.session;
   session.transfer(progress_);
   const step::EntityIndex entities = session.entities();
-  step::Assembly assembly =
-      step::walk_assembly(session.document(), entities, [&materials](int product) -> std::optional<step::StepMaterial> {
-        const auto found = materials.find(product);
-        return found == materials.end() ? std::nullopt : std::optional(found->second);
-      });
+  const auto material_of = [&materials](int product) -> std::optional<step::StepMaterial> {
+    const auto found = materials.find(product);
+    return found == materials.end() ? std::nullopt : std::optional(found->second);
+  };
+  step::Assembly assembly = step::walk_assembly(session.document(), entities, material_of, root_places(part));
   if (assembly.solids.empty() && assembly.loose.empty()) step::throw_nothing_readable(raw, name, source.refused);
   const step::RawTopology topology(*source.raw, progress_);
   keep_broken_solids(assembly, topology, scene_.findings);
@@ -293,12 +336,19 @@ Scene Reader::finish() {
 }  // namespace
 
 Scene read_step(std::span<const std::filesystem::path> files, const StepOptions& options, const Progress& progress) {
-  if (files.empty()) throw InputError("no STEP file given");
+  std::vector<StepPart> parts;
+  for (const std::filesystem::path& file : files) parts.push_back({file, {}});
+  return read_step_parts(parts, options, progress);
+}
+
+Scene read_step_parts(std::span<const StepPart> parts, const StepOptions& options, const Progress& progress) {
+  if (parts.empty()) throw InputError("no STEP file given");
+  check_placements(parts);
   const step::ImportGuard guard;
   Reader reader(options, progress);
-  for (const std::filesystem::path& path : files) {
+  for (const StepPart& part : parts) {
     progress.throw_if_cancelled();
-    reader.read(path);
+    reader.read(part);
   }
   return reader.finish();
 }

@@ -3,7 +3,9 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <vector>
 
+#include "core/geometry.h"
 #include "core/progress.h"
 #include "model/scene.h"
 
@@ -15,6 +17,22 @@ struct StepOptions {
   std::size_t max_faces = 4'000'000;             ///< of all instances; larger assemblies are refused
 };
 
+/// A rigid motion p -> turn p + shift; `turn` is a rotation, `shift` is in mm.
+struct Motion {
+  Mat3 turn = Mat3::Identity();
+  Vec3 shift = Vec3::Zero();
+};
+
+/// A STEP file and where copies of what it holds are placed, in the file's own frame.
+struct StepPart {
+  std::filesystem::path file;
+  std::string label;                  ///< first component of the solids' paths, copies numbered; may be empty
+  std::vector<Motion> placements{1};  ///< one a copy
+};
+
+/// Copies of all parts together that are read at most.
+inline constexpr std::size_t kMaxPlacements = 1'000'000;
+
 /// Reads one or several STEP files (AP203, AP214, AP242) into one scene, solids in the order of the assembly walk and
 /// of the files given, placements and units applied.
 ///
@@ -23,5 +41,12 @@ struct StepOptions {
 /// STEP entity.
 [[nodiscard]] Scene read_step(std::span<const std::filesystem::path> files, const StepOptions& options = {},
                               const Progress& progress = {});
+
+/// The same with each file read once and placed as often as asked: solids in the order of the parts, then of the
+/// placements, then of the walk. With a label the paths are "/label/...", of several copies "/label.1/...",
+/// "/label.2/..."; without one the copies' paths get numbers at their ends. Throws InputError also for placements that
+/// aren't finite, turn by no rotation or are too many.
+[[nodiscard]] Scene read_step_parts(std::span<const StepPart> parts, const StepOptions& options = {},
+                                    const Progress& progress = {});
 
 }  // namespace lamella

@@ -15,13 +15,13 @@ Json check(const std::string& path, int exit_code) {
 }
 
 TEST(Check, JsonHasTheDocumentedKeys) {
-  const Json report = check(quoted(source_dir() / "schemas/invalid/materials/unknown_material.xml"), 3);
+  const Json report = check(quoted(source_dir() / "schemas/invalid/materials/unknown_attribute.xml"), 3);
   expect_keys(report, {"ok", "findings"});
   EXPECT_EQ(report["ok"], false);
   ASSERT_EQ(report["findings"].size(), 1U);
   expect_keys(report["findings"][0], {"severity", "where", "what", "hint"});
   EXPECT_EQ(report["findings"][0]["severity"], "error");
-  EXPECT_THAT(report["findings"][0]["where"].get<std::string>(), HasSubstr("unknown_material.xml:7"));
+  EXPECT_THAT(report["findings"][0]["where"].get<std::string>(), HasSubstr("unknown_attribute.xml:7"));
 }
 
 TEST(Check, AValidMaterialsFileIsOk) {

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <limits>
 #include <random>
 #include <set>
 
@@ -18,6 +19,7 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::StartsWith;
 
 Scene read(const std::filesystem::path& path, const Progress& progress = {}) {
   return read_step(std::vector<std::filesystem::path>{path}, {}, progress);
@@ -81,6 +83,44 @@ TEST_F(ReadStep, ReadsSeveralFilesAsOneAssembly) {
   EXPECT_NE(scene.solids[SolidId{0}].info.path, scene.solids[SolidId{1}].info.path);
   EXPECT_EQ(scene.files[0].sha256.size(), 64U);
   EXPECT_EQ(scene.files[0].schema, "AP214");
+}
+
+TEST_F(ReadStep, PlacesCopiesOfOneFile) {
+  Motion turned;
+  turned.turn << 0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0;
+  turned.shift = {10.0, 0.0, 2.0};
+  const std::vector<StepPart> parts{{box_file(), "copy", {Motion{}, turned}}, {box_file(), ""}};
+  const Scene scene = read_step_parts(parts);
+  ASSERT_EQ(scene.files.size(), 2U);
+  ASSERT_EQ(scene.solids.size(), 3U);
+  const auto path_of = [&](std::size_t i) { return scene.solids[SolidId{i}].info.path; };
+  EXPECT_THAT(path_of(0), StartsWith("/copy.1/"));
+  EXPECT_EQ(path_of(1), "/copy.2" + path_of(0).substr(7));
+  EXPECT_EQ(path_of(2), path_of(0).substr(7));
+  const Box3 first = measure_solid(scene, SolidId{0}).bounds;
+  const Box3 second = measure_solid(scene, SolidId{1}).bounds;
+  const Vec3 expected_min(10.0 - first.max().y(), first.min().x(), first.min().z() + 2.0);
+  EXPECT_NEAR((second.min() - expected_min).norm(), 0.0, 1e-12);
+  EXPECT_NEAR(second.sizes().x(), first.sizes().y(), 1e-12);
+  const auto& instance = scene.solids[SolidId{1}].info.instance;
+  ASSERT_TRUE(instance);
+  EXPECT_EQ(instance->body, scene.solids[SolidId{0}].info.instance->body);
+  EXPECT_LT((instance->shift - turned.shift).norm(), 1e-12);
+}
+
+TEST_F(ReadStep, RefusesPlacementsThatAreNoRigidMotion) {
+  Motion scaled;
+  scaled.turn *= 2.0;
+  Motion mirrored;
+  mirrored.turn(0, 0) = -1.0;
+  Motion far;
+  far.shift.x() = std::numeric_limits<double>::infinity();
+  for (const Motion& motion : {scaled, mirrored, far}) {
+    const std::vector<StepPart> parts{{box_file(), "", {motion}}};
+    EXPECT_THROW((void)read_step_parts(parts), InputError);
+  }
+  const std::vector<StepPart> many{{box_file(), "", std::vector<Motion>(kMaxPlacements + 1)}};
+  EXPECT_THROW((void)read_step_parts(many), InputError);
 }
 
 TEST_F(ReadStep, ReadsColorLayerMaterialAndDensity) {
