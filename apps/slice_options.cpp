@@ -73,6 +73,8 @@ void add_slice_options(CLI::App& verb) {
   add_value(verb, "--rotate-per-layer", "further angle of each layer's hatch rows, degree", "DEG");
   add_value(verb, "--materials", "materials and their rules (default: what the STEP file says)", "M.xml");
   add_overlap_option(verb);
+  add_value(verb, "--gap-tolerance", "solids within it touch (default: their faces' own tolerances, at least 1e-6)",
+            "MM");
   add_switch(verb, "--allow-open", "slice open solids too, by winding number");
   for (const std::string& format : available_formats()) {
     add_value(verb, "--" + format, "also write " + format + " in the same pass",
@@ -123,6 +125,8 @@ SliceRequest read_slice_request(CLI::App& verb, const std::vector<std::string>& 
   const EngineChoice choice = read_engine_options(verb);
   request.slice.engine = choice.engine.value_or(EngineKind::span);
   request.slice.reference = choice.reference;
+  if (const auto gap = given(verb, "--gap-tolerance"))
+    request.slice.gap_tolerance = parse_positive("--gap-tolerance", *gap);
   request.slice.allow_open = verb.count("--allow-open") > 0;
   request.dry_run = verb.count("--dry-run") > 0;
   return request;

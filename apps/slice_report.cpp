@@ -12,7 +12,24 @@ namespace lamella::apps {
 namespace {
 
 Json pair_json(const PairReport& pair) {
-  return {{"solids", {pair.first.value(), pair.second.value()}}, {"volume", pair.volume}, {"layers", pair.layers}};
+  return {{"solids", {pair.first.value(), pair.second.value()}},
+          {"volume", pair.volume},
+          {"layers", pair.layers},
+          {"largest_depth", pair.largest_depth}};
+}
+
+Json contacts_json(const std::vector<ContactReport>& contacts, bool are_open) {
+  Json out = Json::array();
+  for (const ContactReport& contact : contacts) {
+    Json entry{{"solids", {contact.first.value(), contact.second.value()}},
+               {"area", contact.area},
+               {"layers", contact.layers},
+               {"largest_gap", contact.largest_gap}};
+    if (are_open) entry["volume"] = contact.volume;
+    if (are_open) entry["least_gap"] = contact.least_gap;
+    out.push_back(std::move(entry));
+  }
+  return out;
 }
 
 Json pairs_json(const std::vector<PairReport>& pairs) {
@@ -91,11 +108,22 @@ std::string materials_text(const SliceOutcome& outcome) {
 
 std::string pairs_text(const char* title, const SliceOutcome& outcome, const std::vector<PairReport>& pairs) {
   if (pairs.empty()) return "";
-  TextTable table({{title}, {"and"}, {"volume [mm^3]", true}, {"layers", true}});
+  TextTable table({{title}, {"and"}, {"volume [mm^3]", true}, {"largest depth [mm]", true}, {"layers", true}});
   const auto& solids = outcome.assembly.scene.solids;
   for (const PairReport& pair : pairs) {
     table.add({solids[pair.first].info.path, solids[pair.second].info.path, short_number(pair.volume),
-               std::to_string(pair.layers)});
+               short_number(pair.largest_depth), std::to_string(pair.layers)});
+  }
+  return "\n" + table.text();
+}
+
+std::string contacts_text(const char* title, const SliceOutcome& outcome, const std::vector<ContactReport>& contacts) {
+  if (contacts.empty()) return "";
+  TextTable table({{title}, {"and"}, {"area [mm^2]", true}, {"largest gap [mm]", true}, {"layers", true}});
+  const auto& solids = outcome.assembly.scene.solids;
+  for (const ContactReport& contact : contacts) {
+    table.add({solids[contact.first].info.path, solids[contact.second].info.path, short_number(contact.area),
+               short_number(contact.largest_gap), std::to_string(contact.layers)});
   }
   return "\n" + table.text();
 }
@@ -151,6 +179,8 @@ Json slice_json(const SliceOutcome& outcome) {
           {"materials", materials_json(outcome)},
           {"overlaps", pairs_json(report.overlaps)},
           {"gaps", pairs_json(report.gaps)},
+          {"interfaces", contacts_json(report.interfaces, false)},
+          {"open_gaps", contacts_json(report.open_gaps, true)},
           {"timing", timing_json(outcome.timing)},
           {"peak_memory_bytes", peak_memory()},
           {"within_budget", report.within_budget()},
@@ -162,6 +192,8 @@ std::string slice_text(const SliceOutcome& outcome) {
   std::string out = "\n" + solids_text(outcome) + "\n" + materials_text(outcome);
   out += pairs_text("overlap of", outcome, outcome.report.overlaps);
   out += pairs_text("gap between", outcome, outcome.report.gaps);
+  out += contacts_text("interface of", outcome, outcome.report.interfaces);
+  out += contacts_text("open gap between", outcome, outcome.report.open_gaps);
   out += "\n" + doubts_text(outcome.report);
   const Timing& t = outcome.timing;
   out += fmt::format("time: {:.2f} s (read {:.2f}, prepare {:.2f}, slice {:.2f}, of which write {:.2f}); memory: {}\n",

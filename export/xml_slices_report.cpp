@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 
@@ -34,19 +35,50 @@ std::uint64_t count(const XmlStream& xml, std::string_view name) {
 void write_pairs(XmlWriter& xml, const char* name, const std::vector<PairReport>& pairs) {
   for (const PairReport& pair : pairs) {
     xml.start(name).attribute("first", pair.first.value()).attribute("second", pair.second.value());
-    xml.attribute_if_finite("volume", pair.volume).attribute("layers", pair.layers).end();
+    xml.attribute_if_finite("volume", pair.volume).attribute("layers", pair.layers);
+    xml.attribute_if_finite("largest_depth", pair.largest_depth).end();
   }
+}
+
+void write_contacts(XmlWriter& xml, const char* name, const std::vector<ContactReport>& contacts) {
+  for (const ContactReport& contact : contacts) {
+    xml.start(name).attribute("first", contact.first.value()).attribute("second", contact.second.value());
+    xml.attribute_if_finite("area", contact.area).attribute_if_finite("volume", contact.volume);
+    xml.attribute_if_finite("least_gap", contact.least_gap).attribute_if_finite("largest_gap", contact.largest_gap);
+    xml.attribute("layers", contact.layers).end();
+  }
+}
+
+std::vector<ContactReport> read_contacts(XmlStream& xml, const char* name, std::int64_t solids) {
+  std::vector<ContactReport> contacts;
+  while (xml.at(name)) {
+    xml.enter(name, {"first", "second", "area", "volume", "least_gap", "largest_gap", "layers"});
+    ContactReport contact;
+    contact.first = SolidId{static_cast<std::size_t>(xml.integer("first", 0, solids - 1))};
+    contact.second = SolidId{static_cast<std::size_t>(xml.integer("second", 0, solids - 1))};
+    contact.area = xml.number_or_unknown("area");
+    contact.volume = xml.number_or_unknown("volume");
+    contact.least_gap = xml.number_or_unknown("least_gap");
+    contact.largest_gap = xml.number_or_unknown("largest_gap");
+    contact.layers = count(xml, "layers");
+    contacts.push_back(contact);
+    xml.leave();
+  }
+  return contacts;
 }
 
 std::vector<PairReport> read_pairs(XmlStream& xml, const char* name, std::int64_t solids) {
   std::vector<PairReport> pairs;
   while (xml.at(name)) {
-    xml.enter(name, {"first", "second", "volume", "layers"});
+    xml.enter(name, {"first", "second", "volume", "layers", "largest_depth"});
     PairReport pair;
     pair.first = SolidId{static_cast<std::size_t>(xml.integer("first", 0, solids - 1))};
     pair.second = SolidId{static_cast<std::size_t>(xml.integer("second", 0, solids - 1))};
     pair.volume = xml.number_or_unknown("volume");
     pair.layers = count(xml, "layers");
+    // Files of before there were depths have none.
+    const double depth = xml.number_or_unknown("largest_depth");
+    pair.largest_depth = std::isfinite(depth) ? depth : 0.0;
     pairs.push_back(pair);
     xml.leave();
   }
@@ -132,6 +164,8 @@ void write_report(XmlWriter& xml, const SliceReport& report) {
   write_materials(xml, report.materials);
   write_pairs(xml, "overlap", report.overlaps);
   write_pairs(xml, "gap", report.gaps);
+  write_contacts(xml, "interface", report.interfaces);
+  write_contacts(xml, "open_gap", report.open_gaps);
   write_findings(xml, report.findings);
   xml.end();
 }
@@ -150,6 +184,8 @@ SliceReport read_report(XmlStream& xml, const BuildInfo& info) {
   report.materials = read_materials(xml, static_cast<std::int64_t>(info.materials.size()));
   report.overlaps = read_pairs(xml, "overlap", solids);
   report.gaps = read_pairs(xml, "gap", solids);
+  report.interfaces = read_contacts(xml, "interface", solids);
+  report.open_gaps = read_contacts(xml, "open_gap", solids);
   report.findings = read_findings(xml);
   xml.leave();
   return report;

@@ -291,6 +291,17 @@ std::optional<NearPoint> NearestPoint::find(const Vec3& point, double within) co
   return best;
 }
 
+bool NearestPoint::may_come_within(const Vec3& point, double within) const {
+  bool may = false;
+  const auto stop = [&](std::uint32_t, double) {
+    may = true;
+    return 0.0;
+  };
+  data_->surface_tree.search(point, within * within, stop);
+  if (!may) data_->curve_tree.search(point, within * within, stop);
+  return may;
+}
+
 Box3 NearestPoint::bounds() const {
   Box3 box;
   if (!data_->surface_tree.empty()) box.extend(data_->surface_tree.bounds());

@@ -37,6 +37,9 @@ class NearestPoint {
   [[nodiscard]] std::optional<NearPoint> find(const Vec3& point,
                                               double within = std::numeric_limits<double>::infinity()) const;
 
+  /// Whether boxes of parts say that something may lie nearer than `within` mm: false is certain, and cheap.
+  [[nodiscard]] bool may_come_within(const Vec3& point, double within) const;
+
   /// Box of all faces, not exact.
   [[nodiscard]] Box3 bounds() const;
 

@@ -5,6 +5,8 @@
 #include <string>
 #include <utility>
 
+#include "slicing/slab_engine.h"
+
 namespace lamella {
 
 namespace {
@@ -15,6 +17,15 @@ RowLattice raster_lattice(const Grid& grid) {
   lattice.spacing = grid.pitch.y();
   lattice.last_row = grid.size[1];
   return lattice;
+}
+
+/// The spans of a row with what fills its gaps, sorted; nearly always that is nothing.
+std::span<const Span> filled_row(std::span<const Span> spans, std::span<const GapFill> fills, std::vector<Span>& out) {
+  if (fills.empty()) return spans;
+  out.assign(spans.begin(), spans.end());
+  for (const GapFill& fill : fills) out.push_back(fill.span);
+  sort_spans(out);
+  return out;
 }
 
 /// Everything of a layer but its segments.
@@ -34,14 +45,19 @@ void begin_layer(const LayerPlan& plan, std::size_t index, const LayerRequest& r
 
 LayerCutter::LayerCutter(const SlabFunction& engine, const Scene& scene, const MaterialTable& table,
                          const IdVector<SolidId, SolidMeasure>& measures, const LayerPlan& plan,
-                         std::vector<SolidId> solids)
+                         std::vector<SolidId> solids, const Interfaces& interfaces)
     : engine_(engine),
       measures_(measures),
       plan_(plan),
+      interfaces_(interfaces),
       solids_(std::move(solids)),
       limits_{static_cast<std::size_t>(plan.grid.size[1]), table.materials.size(), scene.solids.size()} {
   rules_.table = &table;
-  rules_.rank = rank_solids(scene, table, measures);
+  rules_.rank = interfaces.rank();
+  if (const auto& tolerance = interfaces.gap_tolerance()) {
+    rules_.gap_tolerance = *tolerance;
+    return;
+  }
   rules_.face_tolerance.reserve(scene.faces.size());
   for (const Face& face : scene.faces) rules_.face_tolerance.push_back(face.tolerance);
 }
@@ -95,15 +111,20 @@ void LayerCutter::cut(std::size_t first_layer, std::span<CutLayer> out, Workspac
   }
 }
 
-/// Calls measure(spans, segments) behind every row.
+/// Calls measure(row, spans, segments, fills) behind every row.
 template <class Measure>
-void LayerCutter::combine_rows(const SpanRows& spans, Workspace& workspace, SegmentRows& out,
-                               const Measure& measure) const {
+void LayerCutter::combine_rows(double z, const RowLattice& lattice, const SpanRows& spans, Workspace& workspace,
+                               SegmentRows& out, const Measure& measure) const {
   out.row_start.assign(1, 0);
   out.segments.clear();
+  interfaces_.fill(z, lattice, spans, workspace.fills);
+  std::span<const GapFill> fills = workspace.fills;
   for (std::size_t r = 0; r < spans.rows(); ++r) {
-    workspace.row.combine(spans.row(r), rules_, out.segments);
-    measure(spans.row(r), std::span<const Segment>(out.segments).subspan(out.row_start.back()));
+    std::size_t count = 0;
+    while (count < fills.size() && fills[count].row == r) ++count;
+    workspace.row.combine(filled_row(spans.row(r), fills.first(count), workspace.filled_row), rules_, out.segments);
+    measure(r, spans.row(r), std::span<const Segment>(out.segments).subspan(out.row_start.back()), fills.first(count));
+    fills = fills.subspan(count);
     out.row_start.push_back(out.segments.size());
   }
 }
@@ -115,14 +136,20 @@ void LayerCutter::combine(const LayerRequest& request, const LayerSpans& spans, 
   out.failed = spans.failed;
   begin_layer(plan_, request.layer, request, out.layer);
   workspace.sums.clear(limits_.solids, limits_.materials);
-  combine_rows(spans.lattices[0], workspace, out.layer.raster,
-               [&](std::span<const Span> row, std::span<const Segment> segments) {
-                 workspace.sums.add(row, segments, workspace.row);
-               });
+  workspace.deepest.clear();
+  const RowLattice& raster = request.lattices[0];
+  combine_rows(
+      request.z, raster, spans.lattices[0], workspace, out.layer.raster,
+      [&](std::size_t r, std::span<const Span> row, std::span<const Segment> segments, std::span<const GapFill> fills) {
+        workspace.sums.add(row, segments, workspace.row);
+        for (const GapFill& fill : fills) workspace.sums.add_gap(fill.gap);
+        for (const PairLength& overlap : workspace.row.overlaps()) workspace.deepest.add(overlap, r);
+      });
   workspace.sums.write(out.lengths);
+  workspace.deepest.measure(interfaces_.distances(), request.z, raster, spans.lattices[0], out.lengths.depths);
   if (plan_.hatch) {
-    combine_rows(spans.lattices[1], workspace, out.layer.hatch->rows,
-                 [](std::span<const Span>, std::span<const Segment>) {});
+    combine_rows(request.z, request.lattices[1], spans.lattices[1], workspace, out.layer.hatch->rows,
+                 [](std::size_t, std::span<const Span>, std::span<const Segment>, std::span<const GapFill>) {});
   }
 }
 

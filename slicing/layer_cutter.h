@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "slicing/combine.h"
+#include "slicing/contact/deepest_overlaps.h"
+#include "slicing/contact/interfaces.h"
 #include "slicing/layer.h"
 #include "slicing/layer_check.h"
 #include "slicing/layer_lengths.h"
@@ -30,11 +32,15 @@ class LayerCutter {
     std::vector<LayerSpans> spans;
     RowCombiner row;
     LengthSums sums;
+    std::vector<GapFill> fills;
+    std::vector<Span> filled_row;
+    DeepestOverlaps deepest;
   };
 
   /// `solids` are those to cut, all with finite bounds; everything referred to must outlive the cutter.
   LayerCutter(const SlabFunction& engine, const Scene& scene, const MaterialTable& table,
-              const IdVector<SolidId, SolidMeasure>& measures, const LayerPlan& plan, std::vector<SolidId> solids);
+              const IdVector<SolidId, SolidMeasure>& measures, const LayerPlan& plan, std::vector<SolidId> solids,
+              const Interfaces& interfaces);
 
   /// Cuts layers [first_layer, first_layer + out.size()). Safe to call from several threads at once; the result depends
   /// on the layers alone. `out` is overwritten and its memory used again. Throws GeometryError when a layer comes out
@@ -45,12 +51,14 @@ class LayerCutter {
   [[nodiscard]] LayerRequest request_of(std::size_t layer) const;
   [[nodiscard]] RowLattice hatch_lattice(std::size_t layer) const;
   template <class Measure>
-  void combine_rows(const SpanRows& spans, Workspace& workspace, SegmentRows& out, const Measure& measure) const;
+  void combine_rows(double z, const RowLattice& lattice, const SpanRows& spans, Workspace& workspace, SegmentRows& out,
+                    const Measure& measure) const;
   void combine(const LayerRequest& request, const LayerSpans& spans, Workspace& workspace, CutLayer& out) const;
 
   const SlabFunction& engine_;
   const IdVector<SolidId, SolidMeasure>& measures_;
   const LayerPlan& plan_;
+  const Interfaces& interfaces_;
   std::vector<SolidId> solids_;
   CombineRules rules_;
   LayerLimits limits_;

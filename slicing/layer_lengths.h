@@ -15,6 +15,7 @@ struct LayerLengths {
   std::vector<double> materials;     ///< by material id, after priorities
   std::vector<PairLength> overlaps;  ///< one a pair, ids ascending
   std::vector<PairLength> gaps;      ///< one a pair, ids ascending
+  std::vector<PairLength> depths;    ///< mm inside both solids of an overlap; one a pair, ids ascending
 };
 
 /// Sums of lengths by pair of solids: an open-addressed table that keeps its memory.
@@ -45,6 +46,8 @@ class LengthSums {
   void clear(std::size_t solids, std::size_t materials);
   /// Adds one row: what the engine gave and what became of it.
   void add(std::span<const Span> spans, std::span<const Segment> segments, const RowCombiner& row);
+  /// Adds a gap that was filled before the row was combined.
+  void add_gap(const PairLength& gap) { gaps_.add(gap); }
   void write(LayerLengths& out) const;
 
  private:

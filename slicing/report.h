@@ -14,8 +14,20 @@ namespace lamella {
 struct PairReport {
   SolidId first;
   SolidId second;
-  double volume = 0.0;       ///< mm^3, by the raster lattice
-  std::uint64_t layers = 0;  ///< number of layers it was met in
+  double volume = 0.0;         ///< mm^3, by the raster lattice
+  std::uint64_t layers = 0;    ///< number of layers it was met in
+  double largest_depth = 0.0;  ///< mm: how far inside both solids an overlap goes, how wide a gap is
+};
+
+/// Where two solids lie along one another, by their exact faces (docs/methods/interfaces.md).
+struct ContactReport {
+  SolidId first;
+  SolidId second;
+  double area = 0.0;         ///< mm^2
+  double volume = 0.0;       ///< mm^3 between them, of a gap that stays open
+  double least_gap = 0.0;    ///< mm, along the normal
+  double largest_gap = 0.0;  ///< mm
+  std::uint64_t layers = 0;  ///< number of layers it reaches through
 };
 
 struct SolidReport {
@@ -42,7 +54,9 @@ struct SliceReport {
   IdVector<MaterialId, MaterialReport> materials;
   std::vector<PairReport> overlaps;
   std::vector<PairReport> gaps;
-  std::vector<Finding> findings;  ///< warnings that belong to the result
+  std::vector<ContactReport> interfaces;  ///< within the gap tolerance: one shared surface
+  std::vector<ContactReport> open_gaps;   ///< wider, but less than the raster pitch: they stay open
+  std::vector<Finding> findings;          ///< warnings that belong to the result
 
   /// Whether the error budget of command.md (exit code 3) is kept.
   [[nodiscard]] bool within_budget() const;

@@ -140,8 +140,11 @@ SliceReport slice_with(const SlabEngine& engine, const Scene& scene, const Mater
   progress.throw_if_cancelled();
   const std::vector<SolidId> solids = choose_solids(scene, measures, options.allow_open);
   check_policy(table, plan);
-  const LayerCutter cutter(engine.cut, scene, table, measures, plan, solids);
-  Tally tally(scene, table, measures, plan, solids);
+  const double reach = plan.grid.pitch.head<2>().maxCoeff();
+  const Interfaces interfaces(scene, table, measures, solids, {options.gap_tolerance, reach, options.threads},
+                              progress);
+  const LayerCutter cutter(engine.cut, scene, table, measures, plan, solids, interfaces);
+  Tally tally(scene, table, measures, plan, solids, interfaces.contacts());
   try {
     sink.begin(make_build_info(scene, table, measures, plan));
     cut_layers(cutter, engine.slab_layers, plan.layers.size(), options.threads, tally, sink, progress);

@@ -25,8 +25,9 @@ struct SliceOptions {
   EngineKind engine = EngineKind::span;
   SpanOptions span;
   ReferenceOptions reference;
-  int threads = 0;          ///< 0: all cores
-  bool allow_open = false;  ///< slice open solids too, by winding number
+  int threads = 0;                      ///< 0: all cores
+  bool allow_open = false;              ///< slice open solids too, by winding number
+  std::optional<double> gap_tolerance;  ///< mm; default: the touching faces' own, at least kMinGap
 };
 
 /// What begin() of every sink is told.
@@ -56,8 +57,8 @@ struct SliceOptions {
                                 const IdVector<SolidId, SolidMeasure>& measures, const LayerPlan& plan,
                                 const SliceOptions& options, LayerSink& sink, const Progress& progress = {});
 
-/// The same with any engine that was made for the solids of choose_solids(); of `options` only `threads` and
-/// `allow_open` count.
+/// The same with any engine that was made for the solids of choose_solids(); of `options` only `threads`,
+/// `allow_open` and `gap_tolerance` count.
 [[nodiscard]] SliceReport slice_with(const SlabEngine& engine, const Scene& scene, const MaterialTable& table,
                                      const IdVector<SolidId, SolidMeasure>& measures, const LayerPlan& plan,
                                      const SliceOptions& options, LayerSink& sink, const Progress& progress = {});

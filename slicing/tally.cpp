@@ -18,7 +18,9 @@ constexpr double kNormalAreaSlack = 1.01;
 
 std::vector<PairReport> pair_reports(const auto& pairs) {
   std::vector<PairReport> out;
-  for (const auto& [ids, pair] : pairs) out.push_back({ids.first, ids.second, pair.volume.value(), pair.layers});
+  for (const auto& [ids, pair] : pairs) {
+    out.push_back({ids.first, ids.second, pair.volume.value(), pair.layers, pair.largest_depth});
+  }
   return out;
 }
 
@@ -37,11 +39,12 @@ void add_pairs(auto& pairs, const std::vector<PairLength>& lengths, double area)
 }  // namespace
 
 Tally::Tally(const Scene& scene, const MaterialTable& table, const IdVector<SolidId, SolidMeasure>& measures,
-             const LayerPlan& plan, const std::vector<SolidId>& solids)
+             const LayerPlan& plan, const std::vector<SolidId>& solids, std::span<const Contact> contacts)
     : scene_(scene),
       table_(table),
       measures_(measures),
       plan_(plan),
+      contacts_(contacts),
       solid_volume_(scene.solids.size()),
       material_volume_(table.materials.size()) {
   for (const LayerSpan& layer : plan.layers) thickest_ = std::max(thickest_, layer.z_top - layer.z_bottom);
@@ -65,6 +68,10 @@ void Tally::add(const CutLayer& cut) {
   add_volumes(material_volume_, cut.lengths.materials, area);
   add_pairs(overlaps_, cut.lengths.overlaps, area);
   add_pairs(gaps_, cut.lengths.gaps, area);
+  for (const PairLength& depth : cut.lengths.depths) {
+    Pair& pair = overlaps_[{depth.first, depth.second}];
+    pair.largest_depth = std::max(pair.largest_depth, depth.length);
+  }
 }
 
 bool Tally::is_ambiguous(SolidId a, SolidId b) const {
@@ -136,6 +143,26 @@ void Tally::report_overlaps() {
   }
 }
 
+void Tally::report_contacts() {
+  const auto layers_in = [&](const Interval& z) {
+    return static_cast<std::uint64_t>(
+        std::count_if(plan_.layers.begin(), plan_.layers.end(),
+                      [&](const LayerSpan& layer) { return layer.z_bottom <= z.hi && layer.z_top >= z.lo; }));
+  };
+  for (const Contact& contact : contacts_) {
+    if (contact.touching_area > 0.0) {
+      report_.interfaces.push_back({contact.first, contact.second, contact.touching_area, 0.0, 0.0, contact.largest_gap,
+                                    layers_in(contact.touching_z)});
+    }
+    if (contact.gap_area > 0.0) {
+      report_.open_gaps.push_back({contact.first, contact.second, contact.gap_area, contact.gap_volume,
+                                   contact.least_gap, contact.widest_gap, layers_in(contact.gap_z)});
+    }
+    const auto gap = gaps_.find({contact.first, contact.second});
+    if (gap != gaps_.end()) gap->second.largest_depth = contact.largest_gap;
+  }
+}
+
 void Tally::report_casts() {
   const auto note = [&](std::uint64_t count, const char* what) {
     if (count == 0) return;
@@ -157,6 +184,7 @@ SliceReport Tally::finish() {
     out.volume = material_volume_[material.value()].value();
     out.mass = table_.materials[material].density.value_or(0.0) * out.volume * kGramsPerDensityVolume;
   }
+  report_contacts();
   report_overlaps();
   report_casts();
   return std::move(report_);

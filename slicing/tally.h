@@ -1,10 +1,12 @@
 #pragma once
 
 #include <map>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "slicing/compensated_sum.h"
+#include "slicing/contact/contacts.h"
 #include "slicing/failed_checks.h"
 #include "slicing/layer_cutter.h"
 #include "slicing/report.h"
@@ -16,7 +18,7 @@ class Tally {
  public:
   /// `solids` are those that are cut; the others are reported as left out.
   Tally(const Scene& scene, const MaterialTable& table, const IdVector<SolidId, SolidMeasure>& measures,
-        const LayerPlan& plan, const std::vector<SolidId>& solids);
+        const LayerPlan& plan, const std::vector<SolidId>& solids, std::span<const Contact> contacts);
 
   /// Adds the next layer. Throws InputError on an overlap under policy `error`.
   void add(const CutLayer& cut);
@@ -28,12 +30,14 @@ class Tally {
   struct Pair {
     CompensatedSum volume;
     std::uint64_t layers = 0;
+    double largest_depth = 0.0;
   };
   using Pairs = std::map<std::pair<SolidId, SolidId>, Pair>;
 
   void refuse_overlaps(const CutLayer& cut) const;
   void judge_solid(SolidId solid);
   void report_overlaps();
+  void report_contacts();
   void report_casts();
   void warn(SolidId solid, std::string what, std::string hint);
   [[nodiscard]] bool is_ambiguous(SolidId a, SolidId b) const;
@@ -42,6 +46,7 @@ class Tally {
   const MaterialTable& table_;
   const IdVector<SolidId, SolidMeasure>& measures_;
   const LayerPlan& plan_;
+  std::span<const Contact> contacts_;
   double thickest_ = 0.0;
   SliceReport report_;
   std::vector<CompensatedSum> solid_volume_;

@@ -185,14 +185,29 @@ void read_layers(const XmlElement& parent, BuildFile& build) {
 }
 
 PairReport read_pair(const XmlElement& element, std::size_t solid_count) {
-  element.allow_only({"first", "second", "volume", "layers"}, {});
+  element.allow_only({"first", "second", "volume", "layers", "largest_depth"}, {});
   if (solid_count == 0) refuse(element, "a pair needs solids");
   PairReport pair;
   pair.first = SolidId{count(element, "first", solid_count - 1)};
   pair.second = SolidId{count(element, "second", solid_count - 1)};
   pair.volume = element.number("volume");
   pair.layers = count(element, "layers");
+  pair.largest_depth = element.number_or("largest_depth", 0.0);
   return pair;
+}
+
+ContactReport read_contact(const XmlElement& element, std::size_t solid_count) {
+  element.allow_only({"first", "second", "area", "volume", "least_gap", "largest_gap", "layers"}, {});
+  if (solid_count == 0) refuse(element, "a pair needs solids");
+  ContactReport contact;
+  contact.first = SolidId{count(element, "first", solid_count - 1)};
+  contact.second = SolidId{count(element, "second", solid_count - 1)};
+  contact.area = element.number("area");
+  contact.volume = element.number("volume");
+  contact.least_gap = element.number("least_gap");
+  contact.largest_gap = element.number("largest_gap");
+  contact.layers = count(element, "layers");
+  return contact;
 }
 
 CastCounters read_casts(const XmlElement& element) {
@@ -246,7 +261,7 @@ void read_material_result(const XmlElement& element, SliceReport& report) {
 
 void read_report(const XmlElement& parent, BuildFile& build) {
   parent.allow_only({"layers", "rows", "rays", "segments"},
-                    {"casts", "solid_result", "material_result", "overlap", "gap", "finding"});
+                    {"casts", "solid_result", "material_result", "overlap", "gap", "interface", "open_gap", "finding"});
   SliceReport& report = build.report;
   report.layers = count(parent, "layers");
   report.rows = count(parent, "rows");
@@ -259,6 +274,8 @@ void read_report(const XmlElement& parent, BuildFile& build) {
     if (element.name() == "material_result") read_material_result(element, report);
     if (element.name() == "overlap") report.overlaps.push_back(read_pair(element, solid_count));
     if (element.name() == "gap") report.gaps.push_back(read_pair(element, solid_count));
+    if (element.name() == "interface") report.interfaces.push_back(read_contact(element, solid_count));
+    if (element.name() == "open_gap") report.open_gaps.push_back(read_contact(element, solid_count));
     if (element.name() == "finding") report.findings.push_back(read_finding(element));
   }
   if (report.solids.size() != solid_count || report.materials.size() != build.info.materials.size()) {

@@ -93,7 +93,17 @@ void write_layers(XmlWriter& xml, const BuildFile& build) {
 void write_pairs(XmlWriter& xml, std::string_view name, const std::vector<PairReport>& pairs) {
   for (const PairReport& pair : pairs) {
     xml.start(name).attribute("first", pair.first.value()).attribute("second", pair.second.value());
-    xml.attribute("volume", pair.volume).attribute("layers", pair.layers).end();
+    xml.attribute("volume", pair.volume).attribute("layers", pair.layers);
+    xml.attribute("largest_depth", pair.largest_depth).end();
+  }
+}
+
+void write_contacts(XmlWriter& xml, std::string_view name, const std::vector<ContactReport>& contacts) {
+  for (const ContactReport& contact : contacts) {
+    xml.start(name).attribute("first", contact.first.value()).attribute("second", contact.second.value());
+    xml.attribute("area", contact.area).attribute("volume", contact.volume);
+    xml.attribute("least_gap", contact.least_gap).attribute("largest_gap", contact.largest_gap);
+    xml.attribute("layers", contact.layers).end();
   }
 }
 
@@ -123,6 +133,8 @@ void write_report(XmlWriter& xml, const SliceReport& report) {
   }
   write_pairs(xml, "overlap", report.overlaps);
   write_pairs(xml, "gap", report.gaps);
+  write_contacts(xml, "interface", report.interfaces);
+  write_contacts(xml, "open_gap", report.open_gaps);
   for (const Finding& finding : report.findings) {
     xml.start("finding").attribute("severity", name_of(finding.severity)).attribute("solid", finding.solid);
     xml.attribute("face", finding.face).attribute("entity", finding.entity).attribute("what", finding.what);

@@ -1,0 +1,305 @@
+#include "slicing/contact/contacts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include "core/parallel.h"
+#include "core/tolerances.h"
+#include "model/bezier.h"
+#include "model/evaluate.h"
+#include "model/rational_form.h"
+#include "model/trim.h"
+
+namespace lamella {
+
+namespace {
+
+/// A face is looked at in pieces of this part of its size, and where its border runs in quarters of them.
+constexpr double kPieceSize = 1.0 / 16.0;
+constexpr int kBorderHalvings = 4;
+constexpr int kMaxHalvings = 24;
+
+/// Cosine of half a right angle: faces that lie along one another are all but parallel, and opposite.
+constexpr double kOpposite = 0.7;
+
+using Pair = std::pair<SolidId, SolidId>;
+
+/// Solids whose boxes come within `reach`, found along x. The first has the higher rank.
+std::vector<Pair> near_pairs(const IdVector<SolidId, SolidMeasure>& measures, const IdVector<SolidId, int>& rank,
+                             std::span<const SolidId> solids, double reach) {
+  std::vector<SolidId> sorted(solids.begin(), solids.end());
+  const auto lowest = [&](SolidId solid) { return measures[solid].bounds.min().x(); };
+  std::sort(sorted.begin(), sorted.end(),
+            [&](SolidId a, SolidId b) { return std::pair(lowest(a), a) < std::pair(lowest(b), b); });
+  std::vector<Pair> pairs;
+  for (std::size_t i = 0; i < sorted.size(); ++i) {
+    const Box3& box = measures[sorted[i]].bounds;
+    for (std::size_t j = i + 1; j < sorted.size() && lowest(sorted[j]) <= box.max().x() + reach; ++j) {
+      if (box.exteriorDistance(measures[sorted[j]].bounds) > reach) continue;
+      const bool is_first = rank[sorted[i]] > rank[sorted[j]];
+      pairs.emplace_back(sorted[is_first ? i : j], sorted[is_first ? j : i]);
+    }
+  }
+  return pairs;
+}
+
+/// Looks along the faces of one solid for another.
+class PairSearch {
+ public:
+  /// `neighbors` are all solids that lie near the first one.
+  PairSearch(const SolidDistances& distances, const Pair& pair, const Box3& other_bounds,
+             std::span<const SolidId> neighbors, const ContactOptions& options)
+      : distances_(distances),
+        scene_(distances.scene()),
+        pair_(pair),
+        bounds_(other_bounds),
+        neighbors_(neighbors),
+        options_(options) {
+    contact_.first = std::min(pair.first, pair.second);
+    contact_.second = std::max(pair.first, pair.second);
+    constexpr double kFar = std::numeric_limits<double>::infinity();
+    contact_.touching_z = contact_.gap_z = {kFar, -kFar};
+    contact_.least_gap = kFar;
+  }
+
+  Contact run() {
+    for (const FaceId face : faces_of(scene_, pair_.first)) search(face);
+    if (patches_.empty()) return std::move(contact_);
+    // Nothing but geometry decides about the order.
+    std::sort(patches_.begin(), patches_.end(), [](const ContactPatch& a, const ContactPatch& b) {
+      const auto key = [](const ContactPatch& p) {
+        return std::tuple(p.center.z(), p.center.y(), p.center.x(), p.radius);
+      };
+      return key(a) < key(b);
+    });
+    contact_.patches = std::make_shared<const std::vector<ContactPatch>>(std::move(patches_));
+    return std::move(contact_);
+  }
+
+ private:
+  /// A face's patch and what of it is asked for again and again.
+  struct FaceSearch {
+    FaceId id;
+    const TrimRegion* region = nullptr;
+    const RationalForm* form = nullptr;
+    double piece_size = 0.0;  ///< mm
+  };
+
+  void search(FaceId id) {
+    const RationalForm form = rational_form(scene_.faces[id].surface, scene_.faces[id].uv_bounds);
+    Box3 box;
+    for (const BezierPatch& patch : form.patches) box.extend(control_box(patch));
+    if (box.isEmpty() || box.exteriorDistance(bounds_) > options_.reach) return;
+    const TrimRegion region(scene_, id);
+    if (region.boundary().empty()) return;
+    const FaceSearch face{id, &region, &form, kPieceSize * box.sizes().norm()};
+    for (const BezierPatch& patch : form.patches) divide(face, patch, 0, 0);
+  }
+
+  /// Leaves out pieces that are too far, keeps those that are small, halves the others across.
+  void divide(const FaceSearch& face, const BezierPatch& patch, int depth, int border_depth) {
+    const Box3 box = control_box(patch);
+    if (box.exteriorDistance(bounds_) > options_.reach) return;
+    const Vec3 middle = evaluate_point(patch, patch.u.middle(), patch.v.middle());
+    const double radius = (box.max() - middle).cwiseMax(middle - box.min()).norm();
+    if (!distances_.may_come_within(pair_.second, middle, options_.reach + radius)) return;
+    const bool is_small = radius <= face.piece_size || depth >= kMaxHalvings;
+    if (is_small && (border_depth >= kBorderHalvings || !meets_border(face, patch))) {
+      const auto near = distances_.find(pair_.second, middle, options_.reach);
+      if (near) measure(face, patch, middle, radius, *near);
+      return;
+    }
+    const auto [first, second] = halved(patch);
+    divide(face, first, depth + 1, border_depth + (is_small ? 1 : 0));
+    divide(face, second, depth + 1, border_depth + (is_small ? 1 : 0));
+  }
+
+  static std::pair<BezierPatch, BezierPatch> halved(const BezierPatch& patch) {
+    const auto side = [&](double u0, double v0, double u1, double v1) {
+      return (evaluate_point(patch, u0, v0) - evaluate_point(patch, u1, v1)).norm();
+    };
+    const double u = patch.u.middle();
+    const double v = patch.v.middle();
+    const double along_u = side(patch.u.lo, v, u, v) + side(u, v, patch.u.hi, v);
+    const double along_v = side(u, patch.v.lo, u, v) + side(u, v, u, patch.v.hi);
+    return along_u >= along_v ? split_u(patch, u) : split_v(patch, v);
+  }
+
+  static Box2 parameters_of(const FaceSearch& face, const BezierPatch& patch) {
+    Box2 uv;
+    uv.extend(face.form->to_surface({patch.u.lo, patch.v.lo}));
+    uv.extend(face.form->to_surface({patch.u.hi, patch.v.hi}));
+    return uv;
+  }
+
+  static bool meets_border(const FaceSearch& face, const BezierPatch& patch) {
+    const Box2 uv = parameters_of(face, patch);
+    const auto& boundary = face.region->boundary();
+    return std::any_of(boundary.begin(), boundary.end(),
+                       [&](const BezierCurve2& piece) { return control_box(piece).intersects(uv); });
+  }
+
+  /// Area of a small piece, by two Gauss points along each parameter.
+  [[nodiscard]] double area_of(const FaceSearch& face, const Box2& uv) const {
+    const Vec2 aside = 0.5 / std::sqrt(3.0) * uv.sizes();
+    double sum = 0.0;
+    for (const double u : {-1.0, 1.0}) {
+      for (const double v : {-1.0, 1.0}) {
+        const Vec2 at = uv.center() + aside.cwiseProduct(Vec2(u, v));
+        sum += evaluate(scene_.faces[face.id].surface, at).normal().norm();
+      }
+    }
+    return 0.25 * sum * uv.sizes().prod();
+  }
+
+  void measure(const FaceSearch& face, const BezierPatch& patch, const Vec3& middle, double radius,
+               const NearPoint& near) {
+    const Box2 uv = parameters_of(face, patch);
+    const Vec2 at = face.form->to_surface({patch.u.middle(), patch.v.middle()});
+    if (face.region->classify(at) == TrimRegion::Side::outside) return;
+    const Vec3 normal = outward_normal(scene_, face.id, at);
+    if (!near.on_edge && !faces_it(normal, near)) return;
+    const double tolerance = touching_distance(scene_, face.id, near.face, options_.gap_tolerance);
+    const double area = area_of(face, uv);
+    if (near.distance <= tolerance) {
+      patches_.push_back({middle, normal, radius, bend_of(patch, middle, normal), tolerance});
+      contact_.box.extend(Box3(middle.array() - radius, middle.array() + radius));
+      contact_.touching_area += area;
+      contact_.largest_gap = std::max(contact_.largest_gap, near.distance);
+      extend(contact_.touching_z, control_box(patch));
+      return;
+    }
+    // What lies on the inner side overlaps, which is measured on the rows; what lies aside is beyond the other's
+    // border.
+    if ((near.point - middle).dot(normal) < kOpposite * near.distance) return;
+    if (has_another_between(middle, normal, near.distance)) return;
+    contact_.gap_area += area;
+    contact_.gap_volume += area * near.distance;
+    contact_.least_gap = std::min(contact_.least_gap, near.distance);
+    contact_.widest_gap = std::max(contact_.widest_gap, near.distance);
+    extend(contact_.gap_z, control_box(patch));
+  }
+
+  /// Whether a third solid begins in the gap, or fills it.
+  [[nodiscard]] bool has_another_between(const Vec3& middle, const Vec3& normal, double distance) const {
+    return std::any_of(neighbors_.begin(), neighbors_.end(), [&](SolidId solid) {
+      if (solid == pair_.first || solid == pair_.second) return false;
+      const auto near = distances_.find(solid, middle, distance);
+      return near && (near->on_edge || faces_it(normal, *near));
+    });
+  }
+
+  /// Of the border's corners and middles, where a small piece is farthest from its tangent plane.
+  static double bend_of(const BezierPatch& patch, const Vec3& middle, const Vec3& normal) {
+    double bend = 0.0;
+    for (const double u : {patch.u.lo, patch.u.middle(), patch.u.hi}) {
+      for (const double v : {patch.v.lo, patch.v.middle(), patch.v.hi}) {
+        bend = std::max(bend, std::abs(normal.dot(evaluate_point(patch, u, v) - middle)));
+      }
+    }
+    return bend;
+  }
+
+  /// Whether the other face looks at this one. Faces side by side, and walls of one and the other that run on in one
+  /// plane, don't.
+  [[nodiscard]] bool faces_it(const Vec3& normal, const NearPoint& near) const {
+    return normal.dot(outward_normal(scene_, near.face, near.uv)) < -kOpposite;
+  }
+
+  static void extend(Interval& range, const Box3& box) {
+    range = {std::min(range.lo, box.min().z()), std::max(range.hi, box.max().z())};
+  }
+
+  const SolidDistances& distances_;
+  const Scene& scene_;
+  Pair pair_;
+  const Box3& bounds_;
+  std::span<const SolidId> neighbors_;
+  const ContactOptions& options_;
+  Contact contact_;
+  std::vector<ContactPatch> patches_;
+};
+
+/// Which solids are copies of which: of the solids of further copies, the cluster, the copy and the place in it.
+struct CopyOf {
+  std::size_t cluster = 0;
+  std::size_t copy = 0;
+  std::size_t place = 0;
+};
+
+std::map<SolidId, CopyOf> places_of(const std::vector<CopiedCluster>& clusters) {
+  std::map<SolidId, CopyOf> places;
+  for (std::size_t k = 0; k < clusters.size(); ++k) {
+    for (std::size_t copy = 0; copy < clusters[k].copies.size(); ++copy) {
+      const auto& solids = clusters[k].copies[copy].solids;
+      for (std::size_t i = 0; i < solids.size(); ++i) places[solids[i]] = {k, copy, i};
+    }
+  }
+  return places;
+}
+
+Contact moved(const Contact& contact, const CopiedCluster& cluster, std::size_t copy,
+              const std::map<SolidId, CopyOf>& places) {
+  Contact out = contact;
+  const auto renamed = [&](SolidId solid) { return cluster.copies[copy].solids[places.at(solid).place]; };
+  const auto [first, second] = std::minmax({renamed(contact.first), renamed(contact.second)});
+  out.first = first;
+  out.second = second;
+  out.offset = Vec3(cluster.offsets[copy].x(), cluster.offsets[copy].y(), 0.0);
+  if (out.patches) out.box.translate(out.offset);
+  return out;
+}
+
+}  // namespace
+
+double touching_distance(const Scene& scene, FaceId a, FaceId b, const std::optional<double>& gap_tolerance) {
+  if (gap_tolerance) return *gap_tolerance;
+  return std::max({tolerance::kMinGap, scene.faces[a].tolerance, scene.faces[b].tolerance});
+}
+
+std::vector<Contact> find_contacts(const SolidDistances& distances, const IdVector<SolidId, SolidMeasure>& measures,
+                                   const IdVector<SolidId, int>& rank, std::span<const SolidId> solids,
+                                   const ContactOptions& options, const Progress& progress) {
+  const std::vector<CopiedCluster> clusters = find_copies(distances.scene(), measures, solids);
+  const std::map<SolidId, CopyOf> places = places_of(clusters);
+  const auto is_copy = [&](SolidId solid) { return places.contains(solid) && places.at(solid).copy > 0; };
+  std::vector<Pair> pairs = near_pairs(measures, rank, solids, options.reach);
+  std::erase_if(pairs, [&](const Pair& pair) { return is_copy(pair.first) || is_copy(pair.second); });
+  std::map<SolidId, std::vector<SolidId>> neighbors;
+  for (const auto& [first, second] : pairs) {
+    neighbors[first].push_back(second);
+    neighbors[second].push_back(first);
+  }
+  std::vector<Contact> found(pairs.size());
+  parallel_for(
+      pairs.size(),
+      [&](std::size_t i) {
+        progress.throw_if_cancelled();
+        const auto& [first, second] = pairs[i];
+        found[i] = PairSearch(distances, pairs[i], measures[second].bounds, neighbors.at(first), options).run();
+      },
+      options.threads);
+  std::vector<Contact> contacts;
+  for (Contact& contact : found) {
+    if (!contact.patches && !(contact.gap_area > 0.0)) continue;
+    const auto place = places.find(contact.first);
+    const bool is_copied = place != places.end() && places.contains(contact.second);
+    if (is_copied) {
+      const CopiedCluster& cluster = clusters[place->second.cluster];
+      for (std::size_t copy = 1; copy < cluster.copies.size(); ++copy) {
+        contacts.push_back(moved(contact, cluster, copy, places));
+      }
+    }
+    contacts.push_back(std::move(contact));
+  }
+  std::sort(contacts.begin(), contacts.end(), [](const Contact& a, const Contact& b) {
+    return std::pair(a.first, a.second) < std::pair(b.first, b.second);
+  });
+  return contacts;
+}
+
+}  // namespace lamella

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "slicing/combine.h"
+#include "slicing/contact/contacts.h"
+#include "slicing/slab.h"
+
+namespace lamella {
+
+/// A stretch of a row that lies in the gap between two solids that touch.
+struct GapFill {
+  std::size_t row = 0;  ///< of the lattice, from 0
+  Span span;            ///< of the solid of higher rank; it has no faces
+  PairLength gap;
+};
+
+/// Fills what rows leave open between solids that touch, whatever the direction of the gap: also where a row crosses it
+/// at a grazing angle, runs within it, or the whole layer does (docs/methods/interfaces.md).
+class GapFiller {
+ public:
+  /// `contacts` are those of find_contacts(); `rank` decides who gets a gap. What is referred to must outlive it.
+  GapFiller(const SolidDistances& distances, std::span<const Contact> contacts, const IdVector<SolidId, int>& rank);
+
+  /// The fills of one layer's rows at height z, ascending by row, then along it; they share no point with `spans` and
+  /// with each other. Safe from several threads at once.
+  void fill(double z, const RowLattice& lattice, const SpanRows& spans, std::vector<GapFill>& out) const;
+
+ private:
+  /// Two solids that touch, who gets their gap first.
+  struct Touch {
+    const Contact* contact = nullptr;
+    SolidId first;
+    SolidId second;
+    double largest_radius = 0.0;  ///< mm
+  };
+  /// A patch beside which a row leaves something open.
+  struct Candidate {
+    std::size_t row = 0;
+    std::uint32_t touch = 0;
+    double middle = 0.0;  ///< of the patch along the row, mm
+    Interval near;        ///< of the row, along the patch
+    const ContactPatch* patch = nullptr;
+  };
+
+  void find_candidates(const Touch& touch, double z, const RowLattice& lattice, const SpanRows& spans,
+                       std::vector<Candidate>& out) const;
+  class RowSearch;
+
+  const SolidDistances& distances_;
+  std::vector<Touch> touches_;  ///< by rank of those who get the gap, then of the others, highest first
+};
+
+}  // namespace lamella
