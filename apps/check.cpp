@@ -1,11 +1,13 @@
 #include <algorithm>
 #include <filesystem>
+#include <fmt/format.h>
 #include <fstream>
 
 #include "apps/assembly.h"
 #include "apps/job.h"
 #include "apps/options.h"
 #include "apps/slice_options.h"
+#include "apps/table.h"
 #include "apps/verbs.h"
 #include "export/build_check.h"
 #include "export/xml_slices.h"
@@ -45,6 +47,7 @@ class CheckingSink final : public LayerSink {
     segments_ += layer.raster.segments.size();
   }
   void finish(const SliceReport& report) override {
+    report_ = report;
     reported_layers_ = report.layers;
     reported_segments_ = report.segments;
     is_within_budget_ = report.within_budget();
@@ -65,11 +68,41 @@ class CheckingSink final : public LayerSink {
     if (!is_within_budget_) {
       findings.push_back({Severity::warning, where, "the slicing exceeded its error budget", "see the report in it"});
     }
+    add_pairs(findings);
     return findings;
   }
 
  private:
+  /// What the report says of how solids lie to one another, as notes.
+  void add_pairs(Findings& findings) const {
+    const auto note = [&](SolidId first, SolidId second, std::string what) {
+      findings.push_back(
+          {Severity::note, info_.solids[first].path + ", " + info_.solids[second].path, std::move(what), ""});
+    };
+    for (const PairReport& pair : report_.overlaps) {
+      note(pair.first, pair.second,
+           fmt::format("overlap of {} mm^3 on {} layers, up to {} mm deep", short_number(pair.volume), pair.layers,
+                       short_number(pair.largest_depth)));
+    }
+    for (const PairReport& pair : report_.gaps) {
+      note(pair.first, pair.second,
+           fmt::format("gap of {} mm^3 on {} layers filled, up to {} mm wide", short_number(pair.volume), pair.layers,
+                       short_number(pair.largest_depth)));
+    }
+    for (const ContactReport& contact : report_.interfaces) {
+      note(contact.first, contact.second,
+           fmt::format("interface of {} mm^2 over {} layers, gap up to {} mm", short_number(contact.area),
+                       contact.layers, short_number(contact.largest_gap)));
+    }
+    for (const ContactReport& contact : report_.open_gaps) {
+      note(contact.first, contact.second,
+           fmt::format("open gap of {} mm^2 over {} layers, {} to {} mm wide", short_number(contact.area),
+                       contact.layers, short_number(contact.least_gap), short_number(contact.largest_gap)));
+    }
+  }
+
   BuildInfo info_;
+  SliceReport report_;
   std::uint64_t layers_ = 0;
   std::uint64_t segments_ = 0;
   std::uint64_t reported_layers_ = 0;

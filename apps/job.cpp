@@ -194,7 +194,7 @@ Job read_job(const fs::path& file, const CLI::App& slice) {
   if (job.parts.empty()) throw InputError("no <part>", root.where(), "name the STEP files to slice");
   const auto options = root.children("options");
   if (options.size() > 1) throw InputError("two <options>", options[1].where(), "put all into one");
-  if (!options.empty() && options[0].line() < root.children("part").back().line()) {
+  if (!options.empty() && root.children().back().name() != "options") {
     throw InputError("<options> comes before a <part>", options[0].where(), "put the options last");
   }
   if (!options.empty()) job.options = read_options(options[0], file, slice);

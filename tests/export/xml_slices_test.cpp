@@ -66,7 +66,9 @@ SliceReport small_report() {
     report.solids.push_back({1.0 / 3.0 + i, 0.1 * i, 0.01, i == 1, i == 1 ? "open" : "ok"});
     report.materials.push_back({2.0 / 3.0, 5.0 * i});
   }
-  report.overlaps = {{SolidId{0}, SolidId{2}, 0.125, 4}};
+  report.overlaps = {{SolidId{0}, SolidId{2}, 0.125, 4, 0.2}};
+  report.interfaces = {{SolidId{0}, SolidId{1}, 1.0 / 7.0, 0.0, 0.0, 1e-7, 2}};
+  report.open_gaps = {{SolidId{0}, SolidId{1}, 3.5, 0.3, 1e-3, 0.1, 4}};
   report.gaps = {{SolidId{1}, SolidId{2}, 1e-9, 1}};
   report.findings = {{Severity::warning, "a", "f", "#12", "what's <wrong>", "h"}, {Severity::note, "", "", "", "", ""}};
   return report;

@@ -63,7 +63,9 @@ inline Sample make_sample(std::int64_t layer_count = 5, bool hatch = true, unsig
   sample.report.solids[SolidId{1}] = {0.1, 0.2, 0.3, true, "open"};
   sample.report.materials.resize(3);
   sample.report.materials[MaterialId{0}] = {1.0 / 3.0, 2e-300};
-  sample.report.overlaps.push_back({SolidId{0}, SolidId{2}, 0.7, 3});
+  sample.report.overlaps.push_back({SolidId{0}, SolidId{2}, 0.7, 3, 0.2});
+  sample.report.interfaces.push_back({SolidId{0}, SolidId{1}, 1.0 / 7.0, 0.0, 0.0, 1e-7, 2});
+  sample.report.open_gaps.push_back({SolidId{0}, SolidId{1}, 3.5, 0.3, 1e-3, 0.1, 4});
   sample.report.gaps.push_back({SolidId{1}, SolidId{2}, 1e-9, 1});
   sample.report.findings.push_back({Severity::error, "/a/b", "face 3", "#12", "what & why", "a \"hint\""});
   return sample;

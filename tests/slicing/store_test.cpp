@@ -77,7 +77,16 @@ void expect_same_report(const SliceReport& a, const SliceReport& b) {
   ASSERT_EQ(a.overlaps.size(), b.overlaps.size());
   EXPECT_EQ(a.overlaps[0].second, b.overlaps[0].second);
   EXPECT_EQ(a.overlaps[0].volume, b.overlaps[0].volume);
+  EXPECT_EQ(a.overlaps[0].largest_depth, b.overlaps[0].largest_depth);
   ASSERT_EQ(a.gaps.size(), b.gaps.size());
+  ASSERT_EQ(a.interfaces.size(), b.interfaces.size());
+  EXPECT_EQ(a.interfaces[0].area, b.interfaces[0].area);
+  EXPECT_EQ(a.interfaces[0].second, b.interfaces[0].second);
+  ASSERT_EQ(a.open_gaps.size(), b.open_gaps.size());
+  EXPECT_EQ(a.open_gaps[0].volume, b.open_gaps[0].volume);
+  EXPECT_EQ(a.open_gaps[0].least_gap, b.open_gaps[0].least_gap);
+  EXPECT_EQ(a.open_gaps[0].largest_gap, b.open_gaps[0].largest_gap);
+  EXPECT_EQ(a.open_gaps[0].layers, b.open_gaps[0].layers);
   ASSERT_EQ(a.findings.size(), b.findings.size());
   EXPECT_EQ(a.findings[0].severity, b.findings[0].severity);
   EXPECT_EQ(a.findings[0].what, b.findings[0].what);
