@@ -51,7 +51,8 @@ LayerCutter::LayerCutter(const SlabFunction& engine, const Scene& scene, const M
       plan_(plan),
       interfaces_(interfaces),
       solids_(std::move(solids)),
-      limits_{static_cast<std::size_t>(plan.grid.size[1]), table.materials.size(), scene.solids.size()} {
+      limits_{static_cast<std::size_t>(plan.grid.size[1]), table.materials.size(), scene.solids.size()},
+      depth_sampling_(plan, measures) {
   rules_.table = &table;
   rules_.rank = interfaces.rank();
   if (const auto& tolerance = interfaces.gap_tolerance()) {
@@ -143,7 +144,10 @@ void LayerCutter::combine(const LayerRequest& request, const LayerSpans& spans, 
       [&](std::size_t r, std::span<const Span> row, std::span<const Segment> segments, std::span<const GapFill> fills) {
         workspace.sums.add(row, segments, workspace.row);
         for (const GapFill& fill : fills) workspace.sums.add_gap(fill.gap);
-        for (const PairLength& overlap : workspace.row.overlaps()) workspace.deepest.add(overlap, r);
+        for (const PairLength& overlap : workspace.row.overlaps()) {
+          const bool is_taken = depth_sampling_.takes(overlap.first, overlap.second, request.layer);
+          if (is_taken) workspace.deepest.add(overlap, r);
+        }
       });
   workspace.sums.write(out.lengths);
   workspace.deepest.measure(interfaces_.distances(), request.z, raster, spans.lattices[0], out.lengths.depths);

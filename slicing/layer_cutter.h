@@ -62,6 +62,7 @@ class LayerCutter {
   std::vector<SolidId> solids_;
   CombineRules rules_;
   LayerLimits limits_;
+  DepthSampling depth_sampling_;
 };
 
 }  // namespace lamella

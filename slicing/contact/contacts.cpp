@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 #include <tuple>
 #include <utility>
 
@@ -21,6 +22,11 @@ namespace {
 /// A face is looked at in pieces of this part of its size, and where its border runs in quarters of them.
 constexpr double kPieceSize = 1.0 / 16.0;
 constexpr int kBorderHalvings = 4;
+
+/// Where solids touch, pieces are divided on until they bend by less than this part of their radius, or so often. Rows
+/// can be held against them all the more closely.
+constexpr double kPatchBend = 0.02;
+constexpr int kPatchHalvings = 4;
 constexpr int kMaxHalvings = 24;
 
 /// Cosine of half a right angle: faces that lie along one another are all but parallel, and opposite.
@@ -76,6 +82,7 @@ class PairSearch {
       };
       return key(a) < key(b);
     });
+    contact_.faces.assign(faces_.begin(), faces_.end());
     contact_.patches = std::make_shared<const std::vector<ContactPatch>>(std::move(patches_));
     return std::move(contact_);
   }
@@ -166,7 +173,9 @@ class PairSearch {
     const double tolerance = touching_distance(scene_, face.id, near.face, options_.gap_tolerance);
     const double area = area_of(face, uv);
     if (near.distance <= tolerance) {
-      patches_.push_back({middle, normal, radius, bend_of(patch, middle, normal), tolerance});
+      add_patches(face, patch, 0);
+      faces_.insert({face.id, near.face});
+      contact_.tolerance = std::max(contact_.tolerance, tolerance);
       contact_.box.extend(Box3(middle.array() - radius, middle.array() + radius));
       contact_.touching_area += area;
       contact_.largest_gap = std::max(contact_.largest_gap, near.distance);
@@ -193,15 +202,27 @@ class PairSearch {
     });
   }
 
-  /// Of the border's corners and middles, where a small piece is farthest from its tangent plane.
-  static double bend_of(const BezierPatch& patch, const Vec3& middle, const Vec3& normal) {
-    double bend = 0.0;
+  /// A piece that touches, in parts that are nearly flat.
+  void add_patches(const FaceSearch& face, const BezierPatch& patch, int depth) {
+    ContactPatch out;
+    const Vec2 at(patch.u.middle(), patch.v.middle());
+    out.center = evaluate_point(patch, at.x(), at.y());
+    out.normal = outward_normal(scene_, face.id, face.form->to_surface(at));
+    // The border's corners and middles are where a small piece is farthest from its middle and its tangent plane.
     for (const double u : {patch.u.lo, patch.u.middle(), patch.u.hi}) {
       for (const double v : {patch.v.lo, patch.v.middle(), patch.v.hi}) {
-        bend = std::max(bend, std::abs(normal.dot(evaluate_point(patch, u, v) - middle)));
+        const Vec3 aside = evaluate_point(patch, u, v) - out.center;
+        out.radius = std::max(out.radius, aside.norm());
+        out.bend = std::max(out.bend, std::abs(out.normal.dot(aside)));
       }
     }
-    return bend;
+    if (depth == kPatchHalvings || out.bend <= kPatchBend * out.radius) {
+      patches_.push_back(out);
+      return;
+    }
+    const auto [first, second] = halved(patch);
+    add_patches(face, first, depth + 1);
+    add_patches(face, second, depth + 1);
   }
 
   /// Whether the other face looks at this one. Faces side by side, and walls of one and the other that run on in one
@@ -222,6 +243,7 @@ class PairSearch {
   const ContactOptions& options_;
   Contact contact_;
   std::vector<ContactPatch> patches_;
+  std::set<FaceId> faces_;
 };
 
 /// Which solids are copies of which: of the solids of further copies, the cluster, the copy and the place in it.
@@ -242,13 +264,22 @@ std::map<SolidId, CopyOf> places_of(const std::vector<CopiedCluster>& clusters) 
   return places;
 }
 
-Contact moved(const Contact& contact, const CopiedCluster& cluster, std::size_t copy,
+/// Faces of a cluster's solids are numbered alike from copy to copy.
+Contact moved(const Scene& scene, const Contact& contact, const CopiedCluster& cluster, std::size_t copy,
               const std::map<SolidId, CopyOf>& places) {
   Contact out = contact;
   const auto renamed = [&](SolidId solid) { return cluster.copies[copy].solids[places.at(solid).place]; };
   const auto [first, second] = std::minmax({renamed(contact.first), renamed(contact.second)});
   out.first = first;
   out.second = second;
+  const auto first_face = [&](SolidId solid) {
+    return scene.shells[scene.solids[solid].shells.first].faces.first.value();
+  };
+  for (FaceId& face : out.faces) {
+    const SolidId solid = scene.solid_of(face);
+    face = FaceId{face.value() + first_face(renamed(solid)) - first_face(solid)};
+  }
+  std::sort(out.faces.begin(), out.faces.end());
   out.offset = Vec3(cluster.offsets[copy].x(), cluster.offsets[copy].y(), 0.0);
   if (out.patches) out.box.translate(out.offset);
   return out;
@@ -291,7 +322,7 @@ std::vector<Contact> find_contacts(const SolidDistances& distances, const IdVect
     if (is_copied) {
       const CopiedCluster& cluster = clusters[place->second.cluster];
       for (std::size_t copy = 1; copy < cluster.copies.size(); ++copy) {
-        contacts.push_back(moved(contact, cluster, copy, places));
+        contacts.push_back(moved(distances.scene(), contact, cluster, copy, places));
       }
     }
     contacts.push_back(std::move(contact));

@@ -18,7 +18,6 @@ struct ContactPatch {
   Vec3 normal = Vec3::Zero();  ///< of unit length; zero where the surface has none
   double radius = 0.0;         ///< mm; the piece lies within it of the centre
   double bend = 0.0;           ///< mm; and, as sampled, within it of the plane through the centre
-  double tolerance = 0.0;      ///< mm, of the two faces
 };
 
 /// Where two solids lie along one another: within the gap tolerance, where they touch, and beyond it up to the reach.
@@ -29,6 +28,8 @@ struct Contact {
   /// offset.
   std::shared_ptr<const std::vector<ContactPatch>> patches;
   Vec3 offset = Vec3::Zero();  ///< mm, to be added to the centres
+  std::vector<FaceId> faces;   ///< that touch, of both solids, ascending
+  double tolerance = 0.0;      ///< mm, the largest of the pairs of faces
   Box3 box;                    ///< of the patches and their radii, moved by the offset
   double touching_area = 0.0;  ///< mm^2, to about its perimeter times 1/128 of a face's size
   double largest_gap = 0.0;    ///< mm, of what touches

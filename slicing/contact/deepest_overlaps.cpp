@@ -31,6 +31,27 @@ double depth_at(const SolidDistances& distances, const std::pair<SolidId, SolidI
 
 }  // namespace
 
+DepthSampling::DepthSampling(const LayerPlan& plan, const IdVector<SolidId, SolidMeasure>& measures) {
+  constexpr std::size_t kSamples = 8;
+  const auto layer_of = [&](double z) {
+    const auto found = std::lower_bound(plan.layers.begin(), plan.layers.end(), z,
+                                        [](const LayerSpan& layer, double height) { return layer.z_sample < height; });
+    return static_cast<std::size_t>(found - plan.layers.begin());
+  };
+  for (const SolidMeasure& measure : measures) {
+    Steps steps;
+    const Box3& box = measure.bounds;
+    if (!box.isEmpty() && box.min().allFinite() && box.max().allFinite()) {
+      const std::size_t first = layer_of(box.min().z());
+      const std::size_t count = layer_of(box.max().z()) - first;
+      steps.step = static_cast<std::uint32_t>(std::max<std::size_t>(1, count / kSamples));
+      // The middles of equal parts: at the very ends an overlap is flat.
+      steps.first = static_cast<std::uint32_t>((first + steps.step / 2) % steps.step);
+    }
+    steps_.push_back(steps);
+  }
+}
+
 void DeepestOverlaps::add(const PairLength& overlap, std::size_t row) {
   const auto [place, is_new] = rows_.try_emplace({overlap.first, overlap.second}, Rows{row, row, row, overlap.length});
   Rows& rows = place->second;

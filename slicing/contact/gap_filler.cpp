@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 namespace lamella {
@@ -17,6 +18,11 @@ constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr double kBeyond = 2.0;
 constexpr double kBendSlack = 1.5;
 
+/// A row that crosses a face leaves it at a hit, at which its gap is found. Only where a row is as good as parallel to
+/// a face, by the sine of the angle, can it run within the gap and meet neither. Little beside it meets one of them
+/// within seven tolerances.
+constexpr double kGrazing = 0.15;
+
 /// Where a gap opens to the outside, a row may enter it for as long as a few tolerances: what is seen there is a
 /// rounded corner, no gap, and filling it would make slivers.
 constexpr double kMouth = 8.0;
@@ -29,10 +35,11 @@ constexpr double kSlack = 1e-9;
 
 /// Where a row may run along a patch: within its radius of the centre, and near the plane through it. `offset` leads
 /// from the centre to the nearest point of the row, `middle` is that point along it; lo > hi if nowhere.
-Interval along_patch(const ContactPatch& patch, const Vec3& offset, double middle, const Vec2& along) {
+Interval along_patch(const ContactPatch& patch, double tolerance, const Vec3& offset, double middle,
+                     const Vec2& along) {
   const Interval within{middle - kBeyond * patch.radius, middle + kBeyond * patch.radius};
   // What is bent grows with the square of the distance.
-  const double limit = kBeyond * kBeyond * kBendSlack * patch.bend + patch.tolerance;
+  const double limit = kBeyond * kBeyond * kBendSlack * patch.bend + tolerance;
   const double aside = patch.normal.dot(offset);
   const double slope = patch.normal.head<2>().dot(along);
   if (std::abs(slope) * patch.radius * kBeyond <= limit) {
@@ -77,19 +84,18 @@ class GapFiller::RowSearch {
     uncovered(spans, open_);
   }
 
-  /// Fills what of the gap at a patch the row leaves open, and takes it out of what is open.
-  void try_patch(const Candidate& candidate, std::vector<GapFill>& out) {
+  /// Fills what of the gap at a candidate the row leaves open, and takes it out of what is open.
+  void try_candidate(const Candidate& candidate, std::vector<GapFill>& out) {
     touch_ = &filler_.touches_[candidate.touch];
-    const ContactPatch& patch = *candidate.patch;
-    const Interval near = candidate.near;
+    tolerance_ = touch_->contact->tolerance;
     for (std::size_t i = 0; i < open_.size(); ++i) {
       const Interval stretch = open_[i];
-      if (stretch.hi < near.lo || stretch.lo > near.hi) continue;
-      const Interval part{std::max(stretch.lo, near.lo), std::min(stretch.hi, near.hi)};
-      const auto start = find_start(patch, candidate.middle, stretch, part);
+      if (stretch.hi < candidate.near.lo || stretch.lo > candidate.near.hi) continue;
+      const Interval part{std::max(stretch.lo, candidate.near.lo), std::min(stretch.hi, candidate.near.hi)};
+      const auto start = find_start(candidate.along, part);
       if (!start) continue;
-      const Interval gap{reach(patch, *start, stretch.lo), reach(patch, *start, stretch.hi)};
-      if (!is_worth(patch, gap, stretch)) continue;
+      const Interval gap{reach(candidate.step, *start, stretch.lo), reach(candidate.step, *start, stretch.hi)};
+      if (!is_worth(gap, stretch)) continue;
       out.push_back(fill_of(gap));
       take(i, gap);
       return;
@@ -103,13 +109,15 @@ class GapFiller::RowSearch {
   }
 
   /// Whether a point that lies in no solid lies between the two within the tolerance.
-  [[nodiscard]] bool is_in_gap(const ContactPatch& patch, double along) const {
+  [[nodiscard]] bool is_in_gap(double along) const {
     const Vec3 point = point_at(along);
-    const double limit = patch.tolerance * (1.0 + kSlack);
+    const double limit = tolerance_ * (1.0 + kSlack);
     const auto first = filler_.distances_.find(touch_->first, point, limit + kSlack * limit);
     if (!first) return false;
     const auto second = filler_.distances_.find(touch_->second, point, limit - first->distance + kSlack * limit);
     if (!second) return false;
+    const double own = touching_distance(filler_.distances_.scene(), first->face, second->face, filler_.gap_tolerance_);
+    if (first->distance + second->distance > own * (1.0 + kSlack)) return false;
     // Beyond the end of a gap the nearest points of both are on their borders.
     if (!is_over(*first, point, kSlack * limit) && !is_over(*second, point, kSlack * limit)) return false;
     // Between the two: they lie in opposite directions, unless the point lies on one of them.
@@ -127,46 +135,41 @@ class GapFiller::RowSearch {
     return std::abs(normal.dot(point - near.point)) >= kUpright * near.distance;
   }
 
-  /// A point of the gap on a part of an open stretch: its ends, where a solid begins, or its middle.
-  [[nodiscard]] std::optional<double> find_start(const ContactPatch& patch, double foot, const Interval& stretch,
-                                                 const Interval& part) const {
+  /// A point of the gap on a part of an open stretch: that at which it is looked for, or the part's middle.
+  [[nodiscard]] std::optional<double> find_start(double along, const Interval& part) const {
+    along = std::clamp(along, part.lo, part.hi);
+    if (is_in_gap(along)) return along;
     const double middle = part.lo + 0.5 * (part.hi - part.lo);
-    for (const double along : {middle, part.lo, part.hi}) {
-      const bool is_end = along == stretch.lo || along == stretch.hi;
-      if ((is_end || along == middle) && is_in_gap(patch, along)) return along;
-    }
-    // The point of the row nearest to the patch, which a gap across the row has and the middle of a long part hasn't.
-    foot = std::clamp(foot, part.lo, part.hi);
-    if (is_in_gap(patch, foot)) return foot;
+    if (middle != along && is_in_gap(middle)) return middle;
     return std::nullopt;
   }
 
   /// How far the gap goes on from `from` towards `end` of the open stretch.
-  [[nodiscard]] double reach(const ContactPatch& patch, double from, double end) const {
-    const double step = std::copysign(std::max(patch.radius, patch.tolerance), end - from);
+  [[nodiscard]] double reach(double step_size, double from, double end) const {
+    const double step = std::copysign(std::max(step_size, tolerance_), end - from);
     double inside = from;
     for (;;) {
       const bool is_last = std::abs(end - inside) <= std::abs(step);
       const double next = is_last ? end : inside + step;
-      if (!is_in_gap(patch, next)) return bisect(patch, inside, next);
+      if (!is_in_gap(next)) return bisect(inside, next);
       inside = next;
       if (is_last) return end;
     }
   }
 
-  [[nodiscard]] double bisect(const ContactPatch& patch, double inside, double outside) const {
-    while (std::abs(outside - inside) > kEndAccuracy * patch.tolerance) {
+  [[nodiscard]] double bisect(double inside, double outside) const {
+    while (std::abs(outside - inside) > kEndAccuracy * tolerance_) {
       const double middle = inside + 0.5 * (outside - inside);
       if (middle == inside || middle == outside) break;
-      (is_in_gap(patch, middle) ? inside : outside) = middle;
+      (is_in_gap(middle) ? inside : outside) = middle;
     }
     return inside;
   }
 
   /// A gap between two solids, or a long one that the row runs into from outside; not the mouth of one.
-  [[nodiscard]] static bool is_worth(const ContactPatch& patch, const Interval& gap, const Interval& stretch) {
+  [[nodiscard]] bool is_worth(const Interval& gap, const Interval& stretch) const {
     const bool is_closed = gap.lo == stretch.lo && gap.hi == stretch.hi;
-    return gap.length() > (is_closed ? 0.0 : kMouth * patch.tolerance);
+    return gap.length() > (is_closed ? 0.0 : kMouth * tolerance_);
   }
 
   [[nodiscard]] GapFill fill_of(const Interval& gap) const {
@@ -186,6 +189,7 @@ class GapFiller::RowSearch {
 
   const GapFiller& filler_;
   const Touch* touch_ = nullptr;
+  double tolerance_ = 0.0;  ///< of the touch, mm
   double z_;
   const RowLattice& lattice_;
   std::size_t row_ = 0;
@@ -194,8 +198,8 @@ class GapFiller::RowSearch {
 };
 
 GapFiller::GapFiller(const SolidDistances& distances, std::span<const Contact> contacts,
-                     const IdVector<SolidId, int>& rank)
-    : distances_(distances) {
+                     const IdVector<SolidId, int>& rank, const std::optional<double>& gap_tolerance)
+    : distances_(distances), gap_tolerance_(gap_tolerance) {
   for (const Contact& contact : contacts) {
     if (!contact.patches) continue;
     const bool is_first = rank[contact.first] > rank[contact.second];
@@ -204,13 +208,26 @@ GapFiller::GapFiller(const SolidDistances& distances, std::span<const Contact> c
       touch.largest_radius = std::max(touch.largest_radius, patch.radius);
     touches_.push_back(touch);
   }
+  if (touches_.empty()) return;
   std::sort(touches_.begin(), touches_.end(), [&](const Touch& a, const Touch& b) {
     return std::pair(rank[a.first], rank[a.second]) > std::pair(rank[b.first], rank[b.second]);
   });
+  touches_begin_.assign(distances.scene().faces.size() + 1, 0);
+  for (const Touch& touch : touches_) {
+    for (const FaceId face : touch.contact->faces) ++touches_begin_[face.value() + 1];
+  }
+  for (std::size_t i = 1; i < touches_begin_.size(); ++i) touches_begin_[i] += touches_begin_[i - 1];
+  touches_of_face_.resize(touches_begin_.back());
+  std::vector<std::uint32_t> at = touches_begin_;
+  for (std::size_t i = 0; i < touches_.size(); ++i) {
+    for (const FaceId face : touches_[i].contact->faces) {
+      touches_of_face_[at[face.value()]++] = static_cast<std::uint32_t>(i);
+    }
+  }
 }
 
-void GapFiller::find_candidates(const Touch& touch, double z, const RowLattice& lattice, const SpanRows& spans,
-                                std::vector<Candidate>& out) const {
+void GapFiller::find_grazed(const Touch& touch, double z, const RowLattice& lattice, const SpanRows& spans,
+                            std::vector<Candidate>& out) const {
   const Contact& contact = *touch.contact;
   const double beyond = kBeyond * touch.largest_radius;
   const double local_z = z - contact.offset.z();
@@ -219,6 +236,7 @@ void GapFiller::find_candidates(const Touch& touch, double z, const RowLattice& 
   for (auto it = begin; it != contact.patches->end() && it->center.z() <= local_z + beyond; ++it) {
     const double radius = kBeyond * it->radius;
     if (std::abs(it->center.z() - local_z) > radius) continue;
+    if (std::abs(it->normal.head<2>().dot(lattice.along)) > kGrazing) continue;
     const Vec2 center = (it->center + contact.offset).head<2>();
     const double across = center.dot(lattice.across) - lattice.anchor;
     const double middle = center.dot(lattice.along);
@@ -229,32 +247,60 @@ void GapFiller::find_candidates(const Touch& touch, double z, const RowLattice& 
         std::min(std::floor((across + radius) / lattice.spacing - 0.5), static_cast<double>(lattice.last_row - 1));
     for (double number = low; number <= high; number += 1.0) {
       const auto row = static_cast<std::size_t>(number - first_row);
-      const double aside = (number + 0.5) * lattice.spacing - across;
-      const Vec2 to_row = aside * lattice.across;
-      const Interval near = along_patch(*it, {to_row.x(), to_row.y(), local_z - it->center.z()}, middle, lattice.along);
+      const Vec2 to_row = ((number + 0.5) * lattice.spacing - across) * lattice.across;
+      const Interval near = along_patch(*it, contact.tolerance, {to_row.x(), to_row.y(), local_z - it->center.z()},
+                                        middle, lattice.along);
       if (!(near.lo <= near.hi) || covers(spans.row(row), near)) continue;
-      out.push_back({row, static_cast<std::uint32_t>(&touch - touches_.data()), middle, near, &*it});
+      out.push_back({row, static_cast<std::uint32_t>(&touch - touches_.data()), middle, near, it->radius});
     }
+  }
+}
+
+void GapFiller::add_end(std::size_t row, FaceId face, double along, std::vector<Candidate>& out) const {
+  // An id that refers to nothing is larger than any size.
+  if (face.value() + std::size_t{1} >= touches_begin_.size()) return;
+  for (std::uint32_t i = touches_begin_[face.value()]; i < touches_begin_[face.value() + 1]; ++i) {
+    const std::uint32_t touch = touches_of_face_[i];
+    out.push_back({row, touch, along, {along, along}, touches_[touch].largest_radius});
+  }
+}
+
+/// The ends of what rows leave open, where they are on faces that touch another solid somewhere.
+void GapFiller::find_ends(const SpanRows& spans, std::vector<Candidate>& out) const {
+  for (std::size_t r = 0; r < spans.rows(); ++r) {
+    const auto row = spans.row(r);
+    const Span* last = nullptr;
+    for (const Span& span : row) {
+      if (last == nullptr || span.begin > last->end) {
+        if (last != nullptr) add_end(r, last->face_out, last->end, out);
+        add_end(r, span.face_in, span.begin, out);
+      }
+      if (last == nullptr || span.end > last->end) last = &span;
+    }
+    if (last != nullptr) add_end(r, last->face_out, last->end, out);
   }
 }
 
 void GapFiller::fill(double z, const RowLattice& lattice, const SpanRows& spans, std::vector<GapFill>& out) const {
   out.clear();
+  if (touches_.empty()) return;
   std::vector<Candidate> candidates;
   for (const Touch& touch : touches_) {
     const Box3& box = touch.contact->box;
     const double beyond = kBeyond * touch.largest_radius;
     if (z < box.min().z() - beyond || z > box.max().z() + beyond) continue;
-    find_candidates(touch, z, lattice, spans, candidates);
+    find_grazed(touch, z, lattice, spans, candidates);
   }
-  // Touches are in the order of ranks and patches in that of their places, so that ids decide about nothing.
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.row < b.row; });
+  find_ends(spans, candidates);
+  // Touches are in the order of ranks, and ids decide about nothing.
+  std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+    return std::tuple(a.row, a.touch, a.along, a.step) < std::tuple(b.row, b.touch, b.along, b.step);
+  });
   RowSearch search(*this, z, lattice);
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const std::size_t row = candidates[i].row;
     if (i == 0 || candidates[i - 1].row != row) search.begin_row(row, spans.row(row));
-    search.try_patch(candidates[i], out);
+    search.try_candidate(candidates[i], out);
   }
   std::sort(out.begin(), out.end(), [](const GapFill& a, const GapFill& b) {
     return std::pair(a.row, a.span.begin) < std::pair(b.row, b.span.begin);

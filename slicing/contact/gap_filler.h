@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -21,7 +23,9 @@ struct GapFill {
 class GapFiller {
  public:
   /// `contacts` are those of find_contacts(); `rank` decides who gets a gap. What is referred to must outlive it.
-  GapFiller(const SolidDistances& distances, std::span<const Contact> contacts, const IdVector<SolidId, int>& rank);
+  /// `gap_tolerance` (mm) takes the place of the faces' own.
+  GapFiller(const SolidDistances& distances, std::span<const Contact> contacts, const IdVector<SolidId, int>& rank,
+            const std::optional<double>& gap_tolerance);
 
   /// The fills of one layer's rows at height z, ascending by row, then along it; they share no point with `spans` and
   /// with each other. Safe from several threads at once.
@@ -35,21 +39,26 @@ class GapFiller {
     SolidId second;
     double largest_radius = 0.0;  ///< mm
   };
-  /// A patch beside which a row leaves something open.
+  /// A place of a row at which two solids may leave a gap open.
   struct Candidate {
     std::size_t row = 0;
     std::uint32_t touch = 0;
-    double middle = 0.0;  ///< of the patch along the row, mm
-    Interval near;        ///< of the row, along the patch
-    const ContactPatch* patch = nullptr;
+    double along = 0.0;  ///< mm: of the end of an open stretch, or of the patch's middle
+    Interval near;       ///< of the row, along the patch; at an end only that
+    double step = 0.0;   ///< mm, by which a gap is followed
   };
 
-  void find_candidates(const Touch& touch, double z, const RowLattice& lattice, const SpanRows& spans,
-                       std::vector<Candidate>& out) const;
+  void find_grazed(const Touch& touch, double z, const RowLattice& lattice, const SpanRows& spans,
+                   std::vector<Candidate>& out) const;
+  void find_ends(const SpanRows& spans, std::vector<Candidate>& out) const;
+  void add_end(std::size_t row, FaceId face, double along, std::vector<Candidate>& out) const;
   class RowSearch;
 
   const SolidDistances& distances_;
-  std::vector<Touch> touches_;  ///< by rank of those who get the gap, then of the others, highest first
+  std::optional<double> gap_tolerance_;
+  std::vector<Touch> touches_;                ///< by rank of those who get the gap, then of the others, highest first
+  std::vector<std::uint32_t> touches_begin_;  ///< by face id: its entries of touches_of_face_
+  std::vector<std::uint32_t> touches_of_face_;
 };
 
 }  // namespace lamella

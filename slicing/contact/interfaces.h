@@ -18,7 +18,7 @@ class Interfaces {
         gap_tolerance_(options.gap_tolerance),
         distances_(scene),
         contacts_(find_contacts(distances_, measures, rank_, solids, options, progress)),
-        filler_(distances_, contacts_, rank_) {}
+        filler_(distances_, contacts_, rank_, options.gap_tolerance) {}
   Interfaces(const Interfaces&) = delete;
   Interfaces& operator=(const Interfaces&) = delete;
 
