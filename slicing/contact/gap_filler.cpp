@@ -7,6 +7,8 @@
 #include <tuple>
 #include <utility>
 
+#include "core/tolerances.h"
+
 namespace lamella {
 
 namespace {
@@ -49,11 +51,12 @@ Interval along_patch(const ContactPatch& patch, double tolerance, const Vec3& of
   return {std::max(within.lo, middle + low), std::min(within.hi, middle + high)};
 }
 
-/// Whether one span after the other covers an interval, `spans` ascending by begin.
+/// Whether one span after the other covers an interval, `spans` ascending by begin. Gaps that are no longer along the
+/// row than kMinGap are filled in any case.
 bool covers(std::span<const Span> spans, const Interval& interval) {
   double end = interval.lo;
   for (const Span& span : spans) {
-    if (span.begin > end) return false;
+    if (span.begin > end + tolerance::kMinGap) return false;
     end = std::max(end, span.end);
     if (end >= interval.hi) return true;
   }
@@ -92,7 +95,7 @@ class GapFiller::RowSearch {
       const Interval stretch = open_[i];
       if (stretch.hi < candidate.near.lo || stretch.lo > candidate.near.hi) continue;
       const Interval part{std::max(stretch.lo, candidate.near.lo), std::min(stretch.hi, candidate.near.hi)};
-      const auto start = find_start(candidate.along, part);
+      const auto start = find_start(candidate, part);
       if (!start) continue;
       const Interval gap{reach(candidate.step, *start, stretch.lo), reach(candidate.step, *start, stretch.hi)};
       if (!is_worth(gap, stretch)) continue;
@@ -108,13 +111,17 @@ class GapFiller::RowSearch {
     return {xy.x(), xy.y(), z_};
   }
 
-  /// Whether a point that lies in no solid lies between the two within the tolerance.
-  [[nodiscard]] bool is_in_gap(double along) const {
+  /// Whether a point that lies in no solid lies between the two within the tolerance. `owner` is the one that it lies
+  /// on, if that is known: the other is asked first, for it is nearly always far, which costs little to tell.
+  [[nodiscard]] bool is_in_gap(double along, SolidId owner = {}) const {
     const Vec3 point = point_at(along);
     const double limit = tolerance_ * (1.0 + kSlack);
-    const auto first = filler_.distances_.find(touch_->first, point, limit + kSlack * limit);
+    const bool is_owned_by_first = owner == touch_->first;
+    const SolidId near_solid = is_owned_by_first ? touch_->second : touch_->first;
+    const SolidId far_solid = is_owned_by_first ? touch_->first : touch_->second;
+    const auto first = filler_.distances_.find(near_solid, point, limit + kSlack * limit);
     if (!first) return false;
-    const auto second = filler_.distances_.find(touch_->second, point, limit - first->distance + kSlack * limit);
+    const auto second = filler_.distances_.find(far_solid, point, limit - first->distance + kSlack * limit);
     if (!second) return false;
     const double own = touching_distance(filler_.distances_.scene(), first->face, second->face, filler_.gap_tolerance_);
     if (first->distance + second->distance > own * (1.0 + kSlack)) return false;
@@ -136,9 +143,9 @@ class GapFiller::RowSearch {
   }
 
   /// A point of the gap on a part of an open stretch: that at which it is looked for, or the part's middle.
-  [[nodiscard]] std::optional<double> find_start(double along, const Interval& part) const {
-    along = std::clamp(along, part.lo, part.hi);
-    if (is_in_gap(along)) return along;
+  [[nodiscard]] std::optional<double> find_start(const Candidate& candidate, const Interval& part) const {
+    const double along = std::clamp(candidate.along, part.lo, part.hi);
+    if (is_in_gap(along, candidate.owner)) return along;
     const double middle = part.lo + 0.5 * (part.hi - part.lo);
     if (middle != along && is_in_gap(middle)) return middle;
     return std::nullopt;
@@ -251,18 +258,26 @@ void GapFiller::find_grazed(const Touch& touch, double z, const RowLattice& latt
       const Interval near = along_patch(*it, contact.tolerance, {to_row.x(), to_row.y(), local_z - it->center.z()},
                                         middle, lattice.along);
       if (!(near.lo <= near.hi) || covers(spans.row(row), near)) continue;
-      out.push_back({row, static_cast<std::uint32_t>(&touch - touches_.data()), middle, near, it->radius});
+      out.push_back({row, static_cast<std::uint32_t>(&touch - touches_.data()), middle, near, it->radius, {}});
     }
   }
 }
 
-void GapFiller::add_end(std::size_t row, FaceId face, double along, std::vector<Candidate>& out) const {
+void GapFiller::add_end(std::size_t row, SolidId solid, FaceId face, double along, std::vector<Candidate>& out) const {
   // An id that refers to nothing is larger than any size.
   if (face.value() + std::size_t{1} >= touches_begin_.size()) return;
   for (std::uint32_t i = touches_begin_[face.value()]; i < touches_begin_[face.value() + 1]; ++i) {
     const std::uint32_t touch = touches_of_face_[i];
-    out.push_back({row, touch, along, {along, along}, touches_[touch].largest_radius});
+    out.push_back({row, touch, along, {along, along}, touches_[touch].largest_radius, solid});
   }
+}
+
+/// What is open for so little along a row between two solids is filled when the row is combined: where faces coincide
+/// that is half of all crossings.
+double GapFiller::narrow_gap(const Span& left, const Span& right) const {
+  const std::size_t faces = distances_.scene().faces.size();
+  if (left.solid == right.solid || left.face_out.value() >= faces || right.face_in.value() >= faces) return 0.0;
+  return touching_distance(distances_.scene(), left.face_out, right.face_in, gap_tolerance_);
 }
 
 /// The ends of what rows leave open, where they are on faces that touch another solid somewhere.
@@ -271,13 +286,13 @@ void GapFiller::find_ends(const SpanRows& spans, std::vector<Candidate>& out) co
     const auto row = spans.row(r);
     const Span* last = nullptr;
     for (const Span& span : row) {
-      if (last == nullptr || span.begin > last->end) {
-        if (last != nullptr) add_end(r, last->face_out, last->end, out);
-        add_end(r, span.face_in, span.begin, out);
+      if (last == nullptr || span.begin > last->end + narrow_gap(*last, span)) {
+        if (last != nullptr) add_end(r, last->solid, last->face_out, last->end, out);
+        add_end(r, span.solid, span.face_in, span.begin, out);
       }
       if (last == nullptr || span.end > last->end) last = &span;
     }
-    if (last != nullptr) add_end(r, last->face_out, last->end, out);
+    if (last != nullptr) add_end(r, last->solid, last->face_out, last->end, out);
   }
 }
 

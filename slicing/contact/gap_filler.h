@@ -46,12 +46,14 @@ class GapFiller {
     double along = 0.0;  ///< mm: of the end of an open stretch, or of the patch's middle
     Interval near;       ///< of the row, along the patch; at an end only that
     double step = 0.0;   ///< mm, by which a gap is followed
+    SolidId owner;       ///< whose end it is; none of a patch
   };
 
   void find_grazed(const Touch& touch, double z, const RowLattice& lattice, const SpanRows& spans,
                    std::vector<Candidate>& out) const;
   void find_ends(const SpanRows& spans, std::vector<Candidate>& out) const;
-  void add_end(std::size_t row, FaceId face, double along, std::vector<Candidate>& out) const;
+  void add_end(std::size_t row, SolidId solid, FaceId face, double along, std::vector<Candidate>& out) const;
+  [[nodiscard]] double narrow_gap(const Span& left, const Span& right) const;
   class RowSearch;
 
   const SolidDistances& distances_;
