@@ -21,7 +21,7 @@ constexpr int kSteps = 40;
 
 /// Parts are halved until they bend by less than this part of their size, so that the distance over one has one
 /// minimum for points that aren't near a centre of curvature, and Newton's iteration finds it from the middle.
-constexpr double kBend = 0.05;
+constexpr double kBend = 0.02;
 constexpr int kMaxHalvings = 12;
 /// The box of a large slanted plane is all but empty.
 constexpr int kLeastHalvings = 4;
@@ -36,7 +36,9 @@ enum class Cover { inside, outside, crossed };
 struct SurfacePart {
   std::uint32_t face = 0;  ///< in Data::faces
   Box2 uv;
-  bool is_inside = false;  ///< no border within
+  bool is_inside = false;      ///< no border within
+  Vec3 normal = Vec3::Zero();  ///< in the middle
+  Interval slab;               ///< normal . S over the part, by its net: far thinner than its box where it is slanted
 };
 
 struct CurvePart {
@@ -133,6 +135,18 @@ Cover cover_of(const TrimRegion& region, const Box2& uv) {
   return region.classify(uv.center()) == TrimRegion::Side::inside ? Cover::inside : Cover::outside;
 }
 
+/// Range of normal . S over a patch: that of its net, which holds it. Without a normal it is everything.
+Interval slab_of(const BezierPatch& patch, const Vec3& normal) {
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  if (!normal.allFinite()) return {-kFar, kFar};
+  Interval slab{kFar, -kFar};
+  for (const Vec4& pole : patch.net) {
+    const double height = normal.dot(pole.head<3>()) / pole.w();
+    slab = {std::min(slab.lo, height), std::max(slab.hi, height)};
+  }
+  return slab;
+}
+
 /// Halves a patch across its longer side until it is flat enough.
 void halve(const BezierPatch& patch, int depth, std::vector<BezierPatch>& out) {
   const Box3 box = control_box(patch);
@@ -208,7 +222,9 @@ void NearestPoint::Data::add_face(FaceId id) {
     uv.extend(form.to_surface({part.u.hi, part.v.hi}));
     const Cover cover = cover_of(data.region, uv);
     if (cover == Cover::outside) continue;
-    surface_parts.push_back({static_cast<std::uint32_t>(faces.size() - 1), uv, cover == Cover::inside});
+    const Vec3 normal = evaluate(face.surface, uv.center()).normal().normalized();
+    surface_parts.push_back(
+        {static_cast<std::uint32_t>(faces.size() - 1), uv, cover == Cover::inside, normal, slab_of(part, normal)});
     boxes.push_back(control_box(part));
   }
 }
@@ -237,6 +253,9 @@ void NearestPoint::Data::add_edges(FaceId id, std::vector<Box3>& edge_boxes) {
 void NearestPoint::Data::search_faces(const Vec3& point, double& squared, NearPoint& best) const {
   surface_tree.search(point, squared, [&](std::uint32_t item, double limit) {
     const SurfacePart& part = surface_parts[item];
+    const double height = part.normal.dot(point);
+    const double away = std::max(part.slab.lo - height, height - part.slab.hi);
+    if (away > 0.0 && away * away >= limit) return limit;
     const FaceData& face = faces[part.face];
     const Descent found = descend(*face.surface, part.uv, point);
     if (!(found.squared < limit)) return limit;
