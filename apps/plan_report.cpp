@@ -74,9 +74,10 @@ std::string count_text(std::uint64_t count, std::uint64_t bound) {
 
 std::string time_text(double seconds) {
   if (seconds < 60.0) return fmt::format("{:.3g} s", seconds);
-  const auto whole = static_cast<long long>(std::llround(seconds));
+  const long long whole = std::llround(seconds);
   if (whole < 3600) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
-  return fmt::format("{} h {:02} min", whole / 3600, whole % 3600 / 60);
+  const long long minutes = std::llround(seconds / 60.0);
+  return fmt::format("{} h {:02} min", minutes / 60, minutes % 60);
 }
 
 Json plan_json(const BuildPlan& plan) {

@@ -39,6 +39,7 @@ void check_request(const SliceRequest& request) {
   if (request.job) inputs.push_back(*request.job);
   if (request.materials) inputs.push_back(*request.materials);
   if (request.machine) inputs.push_back(*request.machine);
+  if (request.format.plan) inputs.push_back(*request.format.plan);
   refuse_inputs_as_outputs(places, inputs);
   for (const Output& output : request.outputs) check_writable(output);
 }

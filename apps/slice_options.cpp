@@ -122,6 +122,7 @@ SliceRequest read_slice_request(CLI::App& verb, const std::vector<std::string>& 
     if (const auto path = given(verb, "--" + format)) request.outputs.push_back({format, *path});
   }
   request.format = read_format_options(verb);
+  check_format_options(request.format, request.outputs);
   request.plan = read_plan(verb);
   request.machine = given(verb, "--machine");
   apply_machine(request.machine, request.plan);

@@ -73,7 +73,8 @@ struct GcodeSettings {
   double filament_diameter = 1.75;  ///< mm
   double bed_temperature = 0.0;     ///< degree Celsius, 0: leave it alone
   bool relative_extrusion = true;
-  bool serpentine = true;  ///< every second row backwards; else all along the same direction
+  bool serpentine = true;        ///< every second row backwards; else all along the same direction
+  Vec2 purge_at = Vec2::Zero();  ///< mm, where a nozzle purges
 };
 
 /// What the command and the build plan know of a machine. Lengths in mm, times in s.

@@ -307,7 +307,8 @@ class MachineReader {
   }
 
   void read_gcode(const XmlElement& element) {
-    element.allow_only({"flavor", "filament_diameter", "bed_temperature", "extrusion", "rows"}, {});
+    element.allow_only({"flavor", "filament_diameter", "bed_temperature", "extrusion", "rows", "purge_x", "purge_y"},
+                       {});
     refuse_text(element);
     if (machine_.technology != Technology::extrusion) {
       throw InputError("<gcode> is for extrusion", element.where(), "remove it");
@@ -322,6 +323,8 @@ class MachineReader {
     if (element.has("rows")) {
       gcode.serpentine = read_word<bool>(element, "rows", {{"serpentine", true}, {"one-way", false}});
     }
+    gcode.purge_at = {number_within(element, "purge_x", 0.0, machine_.volume.x(), "mm within the volume", 0.0),
+                      number_within(element, "purge_y", 0.0, machine_.volume.y(), "mm within the volume", 0.0)};
     machine_.gcode = gcode;
   }
 
