@@ -123,5 +123,61 @@ TEST_F(Plan, CheckSaysWhatIsWrongWithMachinesAndPlans) {
   }
 }
 
+/// Plans the build and writes its G-code; the quoted options that gcode takes.
+std::string gcode_options(const TemporaryFolder& folder, const std::string& build) {
+  const CommandResult plan = run_lamella("plan " + build + " --machine " + machine("multi_nozzle") + " -o " +
+                                         quoted(folder / "for-gcode.xml") + " --quiet");
+  EXPECT_EQ(plan.exit_code, 0) << plan.errors;
+  return " --machine " + machine("multi_nozzle") + " --plan " + quoted(folder / "for-gcode.xml");
+}
+
+TEST_F(Plan, SliceAndExportWriteTheSameGcode) {
+  const std::string options = gcode_options(folder(), build());
+  const CommandResult exported =
+      run_lamella("export " + build() + " --to gcode -o " + quoted(folder() / "a.gcode") + options + " --json");
+  ASSERT_EQ(exported.exit_code, 0) << exported.errors;
+  EXPECT_EQ(parse_output(exported)["files"].size(), 1U);
+  const CommandResult slice =
+      run_lamella("slice " + quoted(datasets_dir() / "connector/connector.step") + " --materials " +
+                  quoted(datasets_dir() / "connector/materials.xml") +
+                  " --hatch-spacing 0.4 --hatch-angle 45 --rotate-per-layer 90 -o " + quoted(folder() / "again") +
+                  " --gcode " + quoted(folder() / "b.gcode") + options);
+  ASSERT_EQ(slice.exit_code, 0) << slice.errors;
+  EXPECT_EQ(contents(folder() / "a.gcode"), contents(folder() / "b.gcode"));
+}
+
+TEST_F(Plan, GcodeNeedsHatchRows) {
+  const std::string options = gcode_options(folder(), build());
+  ASSERT_EQ(run_lamella("slice " + boxes() + " --machine " + machine("multi_nozzle") + " -o " +
+                        quoted(folder() / "unhatched"))
+                .exit_code,
+            0);
+  const CommandResult result = run_lamella("export " + quoted(folder() / "unhatched") + " --to gcode -o " +
+                                           quoted(folder() / "none.gcode") + options);
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.errors, HasSubstr("--hatch-spacing"));
+  EXPECT_FALSE(std::filesystem::exists(folder() / "none.gcode"));
+}
+
+// printrun drives printers; its reader knows nothing of ours.
+TEST_F(Plan, PrintrunReadsThePlansToolsLayersAndLengths) {
+  if (run_command("/usr/bin/python3 -c 'import printrun.gcoder'").exit_code != 0) GTEST_SKIP() << "no printrun";
+  const std::string options = gcode_options(folder(), build());
+  ASSERT_EQ(run_lamella("export " + build() + " --to gcode -o " + quoted(folder() / "c.gcode") + options).exit_code, 0);
+  const Json plan = parse_output(run_lamella("plan " + build() + " --machine " + machine("multi_nozzle") + " -o " +
+                                             quoted(folder() / "again.xml") + " --json --quiet"));
+  const Json read = parse_output(run_command("/usr/bin/python3 " + quoted(source_dir() / "tests/apps/read_gcode.py") +
+                                             " " + quoted(folder() / "c.gcode")));
+  EXPECT_EQ(read["changes"], plan["tool_changes"]);
+  EXPECT_EQ(read["layers"], plan["layers"]);
+  for (const Json& material : plan["materials"]) {
+    const double length = material["length"].get<double>();
+    const std::string tool = std::to_string(material["tool"].get<int>());
+    EXPECT_NEAR(read["length"][tool].get<double>(), length, 1e-5 * length) << material["name"];
+  }
+  const double width = sliced()["grid"]["size"][0].get<double>() * 0.1;
+  EXPECT_NEAR(read["box"][1].get<double>() - read["box"][0].get<double>(), width, 0.4);
+}
+
 }  // namespace
 }  // namespace lamella::test
