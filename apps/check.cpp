@@ -11,8 +11,10 @@
 #include "apps/verbs.h"
 #include "export/build_check.h"
 #include "export/xml_slices.h"
+#include "materials/machine.h"
 #include "model/solid_status.h"
 #include "model/step/read_step.h"
+#include "slicing/plan/build_plan.h"
 #include "slicing/store/build_file.h"
 #include "slicing/store/store.h"
 
@@ -159,6 +161,27 @@ Findings check_job(const fs::path& file) {
   });
 }
 
+Findings check_machine(const fs::path& file) {
+  return collect([&] {
+    (void)read_machine(file);
+    return Findings{};
+  });
+}
+
+/// What the plan itself found counts as found here.
+Findings check_plan(const fs::path& file) {
+  return collect([&] {
+    Findings findings;
+    for (const PlanFinding& finding : read_plan_xml(file).findings) {
+      std::string where = file.string();
+      if (finding.layer) where += ", layer " + std::to_string(*finding.layer);
+      if (!finding.material.empty()) where += ", " + finding.material;
+      findings.push_back({finding.severity, where, finding.what, finding.hint});
+    }
+    return findings;
+  });
+}
+
 std::string where_of(const Finding& finding) {
   std::string where;
   for (const std::string& part : {finding.solid, finding.face, finding.entity}) {
@@ -219,6 +242,8 @@ Findings check_file(const Session& session, const fs::path& file) {
   const std::string root = root_name(head);
   if (root == "materials") return check_materials(file);
   if (root == "job") return check_job(file);
+  if (root == "machine") return check_machine(file);
+  if (root == "plan") return check_plan(file);
   if (root == "slices") return check_slices(session, file);
   if (root == "build") return check_stored_build(session, fs::absolute(file).parent_path());
   if (root == "!DOCTYPE") {
@@ -226,11 +251,11 @@ Findings check_file(const Session& session, const fs::path& file) {
   }
   if (!root.empty()) {
     throw InputError("XML of another kind: <" + root + ">", file.string(),
-                     "materials, job, slices and build files can be checked");
+                     "materials, job, machine, plan, slices and build files can be checked");
   }
   if (head.find("ISO-10303-21") != std::string::npos) return check_step(session, file);
   throw InputError("neither a STEP file nor an XML file of ours", file.string(),
-                   "check a build folder, a STEP file, or a materials, job, slices or build file");
+                   "check a build folder, a STEP file, or a materials, job, machine, plan, slices or build file");
 }
 
 Findings check_path(const Session& session, const fs::path& path) {
@@ -266,7 +291,8 @@ ExitCode run(const Session& session, const std::string& path) {
 void add_check(CLI::App& program, CommonOptions& common, Action& action) {
   CLI::App* verb = program.add_subcommand("check", "what is wrong where: a build, our XML files, a STEP file");
   auto path = std::make_shared<std::string>();
-  verb->add_option("path", *path, "a build folder, a materials, job, slices or build file, or a STEP file")
+  verb->add_option("path", *path,
+                   "a build folder, a materials, job, machine, plan, slices or build file, or a STEP file")
       ->required()
       ->type_name("PATH");
   add_common(*verb, common);

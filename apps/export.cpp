@@ -46,7 +46,10 @@ LayerRange clip(LayerRange range, std::size_t layers) {
 }
 
 ExitCode run(const Session& session, const ExportOptions& options) {
-  refuse_inputs_as_outputs({options.output.path}, {options.build});
+  std::vector<std::string> inputs{options.build};
+  if (options.format.plan) inputs.push_back(*options.format.plan);
+  if (options.format.machine) inputs.push_back(*options.format.machine);
+  refuse_inputs_as_outputs({options.output.path}, inputs);
   check_writable(options.output);
   const StoreReader reader(options.build);
   const LayerRange range = clip(options.layers, reader.info().plan.layers.size());
@@ -73,6 +76,7 @@ ExportOptions read_options(const CLI::App& verb, const std::string& build) {
   options.output = {*given(verb, "--to"), *given(verb, "--output")};
   check_format(options.output.format);
   options.format = read_format_options(verb);
+  check_format_options(options.format, {options.output});
   if (const auto layers = given(verb, "--layers")) options.layers = parse_layers(*layers);
   return options;
 }
@@ -83,16 +87,18 @@ void add_export(CLI::App& program, CommonOptions& common, Action& action) {
   CLI::App* verb = program.add_subcommand("export", "any format from a build");
   auto build = std::make_shared<std::string>();
   verb->add_option("build", *build, "the folder that lamella slice wrote")->required()->type_name("BUILD");
-  add_value(*verb, "--to", "png (one stack per material), png-indexed, vdb, xml", "FORMAT")->required();
+  add_value(*verb, "--to", "png (one stack per material), png-indexed, vdb, xml, gcode", "FORMAT")->required();
   add_value(*verb, "-o,--output", "the file or folder to write", "OUT")->required();
   add_value(*verb, "--layers", "only layers A to B - 1, from 0; either may be missing", "A:B");
   add_format_options(*verb);
+  add_value(*verb, "--machine", "the machine that the plan is for, for G-code", "X.xml");
   add_common(*verb, common);
   verb->footer(
       "Examples:\n"
       "  lamella export build --to png -o images\n"
       "  lamella export build --to vdb -o grip.vdb\n"
       "  lamella export build --to xml -o grip.xml --xml-payload text --layers 10:20\n"
+      "  lamella export build --to gcode --plan plan.xml --machine mine.xml -o grip.gcode\n"
       "Exit code 3 repeats that the slicing itself exceeded its error budget.");
   verb->final_callback([verb, build, &action] {
     const ExportOptions options = read_options(*verb, *build);

@@ -6,6 +6,7 @@
 
 #include "apps/options.h"
 #include "core/error.h"
+#include "export/gcode_sink.h"
 #include "export/png_stack.h"
 #include "export/vdb/vdb_sink.h"
 #include "export/xml_slices.h"
@@ -20,7 +21,7 @@ namespace {
 
 /// Formats of docs/command.md whose exporters aren't there yet.
 constexpr std::array kPlannedFormats{"polyjet", "tiff",       "sl1", "vti", "vtp", "nrrd", "mhd",
-                                     "cli",     "cli-binary", "3mf", "svg", "slc", "step", "gcode"};
+                                     "cli",     "cli-binary", "3mf", "svg", "slc", "step"};
 
 /// Where the path leads when links and dots are followed as far as it exists.
 fs::path resolved(const fs::path& path) {
@@ -31,7 +32,7 @@ fs::path resolved(const fs::path& path) {
   return real.has_filename() ? real : real.parent_path();
 }
 
-bool is_folder_format(const std::string& format) { return format != "xml" && format != "vdb"; }
+bool is_folder_format(const std::string& format) { return format != "xml" && format != "vdb" && format != "gcode"; }
 
 /// The nearest part of the path that exists.
 fs::path existing_part(fs::path path) {
@@ -53,7 +54,7 @@ void check_build_folder(const fs::path& folder) {
 }  // namespace
 
 const std::vector<std::string>& available_formats() {
-  static const std::vector<std::string> formats{"png", "png-indexed", "vdb", "xml"};
+  static const std::vector<std::string> formats{"png", "png-indexed", "vdb", "xml", "gcode"};
   return formats;
 }
 
@@ -70,6 +71,7 @@ void check_format(const std::string& format) {
 void add_format_options(CLI::App& verb) {
   add_value(verb, "--xml-payload", "numbers in the XML: binary (zlib + base64, the default) or text", "KIND");
   add_switch(verb, "--vdb-ids", "also an Int32 grid of material ids in the VDB");
+  add_value(verb, "--plan", "the build's plan, for G-code", "plan.xml");
 }
 
 FormatOptions read_format_options(const CLI::App& verb) {
@@ -81,7 +83,20 @@ FormatOptions read_format_options(const CLI::App& verb) {
     options.xml_text = *payload == "text";
   }
   options.vdb_ids = verb.count("--vdb-ids") > 0;
+  options.plan = given(verb, "--plan");
+  options.machine = given(verb, "--machine");
   return options;
+}
+
+void check_format_options(const FormatOptions& options, const std::vector<Output>& outputs) {
+  const bool has_gcode =
+      std::any_of(outputs.begin(), outputs.end(), [](const Output& output) { return output.format == "gcode"; });
+  if (!has_gcode) {
+    if (options.plan) throw UsageError("only gcode takes a plan", "--plan", "leave it out");
+    return;
+  }
+  if (!options.plan) throw UsageError("gcode needs --plan", {}, "make one with lamella plan");
+  if (!options.machine) throw UsageError("gcode needs --machine", {}, "name the machine that the plan is for");
 }
 
 std::unique_ptr<LayerSink> make_sink(const Output& output, const FormatOptions& options) {
@@ -90,6 +105,9 @@ std::unique_ptr<LayerSink> make_sink(const Output& output, const FormatOptions& 
   if (output.format == "png") return make_png_sink(output.path);
   if (output.format == "png-indexed") return make_indexed_png_sink(output.path);
   if (output.format == "vdb") return make_vdb_sink(output.path, {.integer_ids = options.vdb_ids});
+  if (output.format == "gcode") {
+    return make_gcode_sink(output.path, {read_plan_xml(*options.plan), read_machine(*options.machine)});
+  }
   return make_xml_sink(output.path, options.xml_text ? XmlPayload::text : XmlPayload::binary);
 }
 

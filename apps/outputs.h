@@ -14,8 +14,10 @@ namespace lamella::apps {
 
 /// How a format is written, where it has a choice.
 struct FormatOptions {
-  bool xml_text = false;  ///< numbers of the XML slices as text
-  bool vdb_ids = false;   ///< an Int32 grid of material ids in the VDB
+  bool xml_text = false;               ///< numbers of the XML slices as text
+  bool vdb_ids = false;                ///< an Int32 grid of material ids in the VDB
+  std::optional<std::string> plan;     ///< plan.xml, for G-code
+  std::optional<std::string> machine;  ///< machine.xml, for G-code
 };
 
 /// One output of a run.
@@ -36,9 +38,11 @@ struct WrittenFile {
 /// Throws UsageError that lists the available formats unless `format` is one of them.
 void check_format(const std::string& format);
 
-/// Adds --xml-payload and --vdb-ids; read_format_options() reads them after the parse.
+/// Adds --xml-payload, --vdb-ids and --plan; read_format_options() reads them and --machine after the parse.
 void add_format_options(CLI::App& verb);
 [[nodiscard]] FormatOptions read_format_options(const CLI::App& verb);
+/// Throws UsageError when an output lacks an option that it needs, or --plan is given without G-code.
+void check_format_options(const FormatOptions& options, const std::vector<Output>& outputs);
 
 /// A sink for "store" or any available format. Throws UsageError on others.
 [[nodiscard]] std::unique_ptr<LayerSink> make_sink(const Output& output, const FormatOptions& options);

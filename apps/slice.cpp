@@ -38,6 +38,8 @@ void check_request(const SliceRequest& request) {
   for (const StepPart& part : request.parts) inputs.push_back(part.file.string());
   if (request.job) inputs.push_back(*request.job);
   if (request.materials) inputs.push_back(*request.materials);
+  if (request.machine) inputs.push_back(*request.machine);
+  if (request.format.plan) inputs.push_back(*request.format.plan);
   refuse_inputs_as_outputs(places, inputs);
   for (const Output& output : request.outputs) check_writable(output);
 }
@@ -121,6 +123,7 @@ void add_slice(CLI::App& program, CommonOptions& common, Action& action) {
       "  lamella slice grip.step -o build\n"
       "  lamella slice grip.step insert.step -o build --materials grip.xml --layer-height 0.1 --pitch 0.05\n"
       "  lamella slice grip.step -o build --dpi 600,300 --layer-height 0.027 --png images --vdb grip.vdb\n"
+      "  lamella slice grip.step -o build --machine datasets/machines/material_jetting.xml\n"
       "  lamella slice grip.step -o build --hatch-spacing 0.4 --hatch-angle 45 --rotate-per-layer 90\n"
       "  lamella slice grip.step -o build --pitch 0.02 --dry-run\n"
       "  lamella slice --job tray.xml\n"

@@ -2,6 +2,7 @@
 
 #include "apps/engine_options.h"
 #include "apps/job.h"
+#include "apps/machine_options.h"
 #include "apps/options.h"
 #include "core/error.h"
 
@@ -72,6 +73,7 @@ void add_slice_options(CLI::App& verb) {
   add_value(verb, "--hatch-angle", "of the first layer's hatch rows, degree", "DEG");
   add_value(verb, "--rotate-per-layer", "further angle of each layer's hatch rows, degree", "DEG");
   add_value(verb, "--materials", "materials and their rules (default: what the STEP file says)", "M.xml");
+  add_value(verb, "--machine", "take pitch and layer height from a machine, where they aren't given", "X.xml");
   add_overlap_option(verb);
   add_value(verb, "--gap-tolerance", "solids within it touch (default: their faces' own tolerances, at least 1e-6)",
             "MM");
@@ -120,7 +122,10 @@ SliceRequest read_slice_request(CLI::App& verb, const std::vector<std::string>& 
     if (const auto path = given(verb, "--" + format)) request.outputs.push_back({format, *path});
   }
   request.format = read_format_options(verb);
+  check_format_options(request.format, request.outputs);
   request.plan = read_plan(verb);
+  request.machine = given(verb, "--machine");
+  apply_machine(request.machine, request.plan);
   request.policy = read_overlap_policy(verb);
   const EngineChoice choice = read_engine_options(verb);
   request.slice.engine = choice.engine.value_or(EngineKind::span);

@@ -18,6 +18,7 @@ struct SliceRequest {
   std::vector<StepPart> parts;
   std::optional<std::string> job;  ///< the file that named them
   std::optional<std::string> materials;
+  std::optional<std::string> machine;
   std::string build;            ///< the store's folder
   std::vector<Output> outputs;  ///< the store first, then the formats asked for
   FormatOptions format;

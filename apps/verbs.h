@@ -11,6 +11,7 @@ void add_info(CLI::App& program, CommonOptions& common, Action& action);
 void add_slice(CLI::App& program, CommonOptions& common, Action& action);
 void add_ray(CLI::App& program, CommonOptions& common, Action& action);
 void add_export(CLI::App& program, CommonOptions& common, Action& action);
+void add_plan(CLI::App& program, CommonOptions& common, Action& action);
 void add_check(CLI::App& program, CommonOptions& common, Action& action);
 
 }  // namespace lamella::apps

@@ -13,6 +13,8 @@ install(FILES "${PROJECT_BINARY_DIR}/LamellaConfig.cmake" "${PROJECT_BINARY_DIR}
         DESTINATION "${CMAKE_INSTALL_LIBDIR}/cmake/Lamella")
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/schemas/" DESTINATION "${CMAKE_INSTALL_DATADIR}/lamella/schemas"
         FILES_MATCHING PATTERN "*.xsd")
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/datasets/machines/" DESTINATION "${CMAKE_INSTALL_DATADIR}/lamella/machines"
+        FILES_MATCHING PATTERN "*.xml")
 if(LAMELLA_APPS)
   install(TARGETS lamella_command RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
 endif()

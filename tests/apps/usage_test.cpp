@@ -12,7 +12,7 @@ using ::testing::MatchesRegex;
 using ::testing::StartsWith;
 
 TEST(Help, EveryVerbHasExamples) {
-  for (const std::string verb : {"info", "slice", "ray", "export", "check"}) {
+  for (const std::string verb : {"info", "slice", "ray", "export", "plan", "check"}) {
     const CommandResult help = run_lamella(verb + " --help");
     EXPECT_EQ(help.exit_code, 0) << verb;
     EXPECT_THAT(help.output, HasSubstr("Examples:\n  lamella " + verb + " ")) << verb;
@@ -80,6 +80,12 @@ INSTANTIATE_TEST_SUITE_P(
         Misuse{"ray x.step --from 0,0,0 --dir 1,0,inf", "--dir"},
         Misuse{"ray x.step --from 0,0,0 --dir 1,0,0 --rays r.txt", "--rays"},
         Misuse{"ray x.step --from 0,0,0 --dir 0,1,1 --engine span", "horizontal"},
+        Misuse{"plan build -o p.xml", "--machine"}, Misuse{"plan build --machine m.xml", "--output"},
+        Misuse{"plan build --machine m.xml -o m.xml", "overwrite an input"},
+        Misuse{"export build --to gcode -o f.gcode", "--plan"},
+        Misuse{"export build --to gcode -o f.gcode --plan p.xml", "--machine"},
+        Misuse{"export build --to xml -o f.xml --plan p.xml", "gcode"},
+        Misuse{"slice x.step -o out --gcode f.gcode", "--plan"},
         Misuse{"export build --to png", "--output"},
         Misuse{"export build --to tiff -o t", "available: png, png-indexed, vdb, xml"},
         Misuse{"export build --to jpeg -o t", "available"},

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "slicing/layer_plan.h"
+
+namespace lamella::apps {
+
+/// Takes pitch and layer height from the machine file, if any, where `plan` leaves them open. Throws InputError on a
+/// file that can't be read, UsageError when the layer height asked for doesn't suit the machine.
+void apply_machine(const std::optional<std::string>& file, PlanOptions& plan);
+
+}  // namespace lamella::apps

@@ -1,0 +1,61 @@
+#include "materials/machine.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/xml.h"
+#include "materials/glob.h"
+
+namespace lamella {
+
+const char* name_of(Technology technology) {
+  switch (technology) {
+    case Technology::material_jetting:
+      return "material-jetting";
+    case Technology::vat:
+      return "vat";
+    case Technology::extrusion:
+      return "extrusion";
+    case Technology::powder_bed:
+      break;
+  }
+  return "powder-bed";
+}
+
+ToolChange Machine::change(ToolId from, ToolId to) const {
+  if (from == to) return {from, to, 0.0, 0.0};
+  for (const ToolChange& given : changes) {
+    if (given.from == from && given.to == to) return given;
+  }
+  return {from, to, change_time, tools[to].purge};
+}
+
+bool Machine::can_hold(ToolId tool, const std::string& material) const {
+  const std::vector<std::string>& globs = tools[tool].holds;
+  return globs.empty() ||
+         std::any_of(globs.begin(), globs.end(), [&](const std::string& glob) { return matches_glob(glob, material); });
+}
+
+MaterialSettings Machine::settings_of(const std::string& material) const {
+  const auto found = std::find_if(settings.begin(), settings.end(),
+                                  [&](const MaterialSettings& one) { return matches_glob(one.match, material); });
+  return found == settings.end() ? MaterialSettings{} : *found;
+}
+
+Vec3 Machine::scale() const { return (Vec3::Ones() - shrink).cwiseInverse(); }
+
+std::string layer_height_fault(const Machine& machine, double height) {
+  // Heights are typed as decimals: half a nanometre is their rounding, not a difference.
+  constexpr double kRounding = 5e-7;
+  if (!(height >= machine.layer_min - kRounding && height <= machine.layer_max + kRounding)) {
+    return "the machine builds layers of " + format_double(machine.layer_min) + " to " +
+           format_double(machine.layer_max) + " mm";
+  }
+  if (machine.layer_step <= 0.0) return {};
+  const double steps = (height - machine.layer_min) / machine.layer_step;
+  if (std::abs(steps - std::round(steps)) * machine.layer_step <= kRounding) return {};
+  return "the machine builds layers of " + format_double(machine.layer_min) + " mm plus a multiple of " +
+         format_double(machine.layer_step) + " mm";
+}
+
+}  // namespace lamella

@@ -1,0 +1,88 @@
+#include "slicing/plan/layer_statistics.h"
+
+#include <algorithm>
+
+#include "slicing/compensated_sum.h"
+#include "slicing/plan/islands.h"
+#include "slicing/plan/overhang.h"
+#include "slicing/plan/track_order.h"
+
+namespace lamella {
+
+namespace {
+
+/// Area and box, by the raster rows. Sums run along the rows with compensation, as the slice report's do.
+void measure_areas(const Layer& layer, const Grid& grid, LayerStatistics& out, std::vector<MaterialStatistics>& by) {
+  std::vector<CompensatedSum> length(by.size());
+  for (std::size_t j = 0; j < layer.raster.rows(); ++j) {
+    const auto row = layer.raster.row(j);
+    if (row.empty()) continue;
+    const double y = grid.origin.y() + static_cast<double>(j) * grid.pitch.y();
+    out.box.extend(Vec2(row.front().x_begin, y));
+    out.box.extend(Vec2(row.back().x_end, y + grid.pitch.y()));
+    for (const Segment& segment : row) length[segment.material.value()].add(segment.x_end - segment.x_begin);
+  }
+  for (std::size_t m = 0; m < by.size(); ++m) by[m].area = length[m].value() * grid.pitch.y();
+}
+
+/// Segments, length and travel on the rows that the machine follows.
+void measure_tracks(const SegmentRows& rows, double spacing, bool serpentine, std::vector<MaterialStatistics>& by) {
+  std::vector<CompensatedSum> length(by.size());
+  for (const Segment& segment : rows.segments) {
+    ++by[segment.material.value()].segments;
+    length[segment.material.value()].add(segment.x_end - segment.x_begin);
+  }
+  for (std::size_t m = 0; m < by.size(); ++m) {
+    if (by[m].segments == 0) continue;
+    by[m].length = length[m].value();
+    bool is_first = true;
+    Vec2 at = Vec2::Zero();
+    visit_tracks(rows, MaterialId{m}, serpentine, [&](std::size_t row, double from, double to) {
+      const double y = static_cast<double>(row) * spacing;
+      if (!is_first) by[m].travel += (Vec2(from, y) - at).norm();
+      is_first = false;
+      at = {to, y};
+    });
+  }
+}
+
+}  // namespace
+
+Cover cover_of(const SegmentRows& raster) {
+  Cover cover;
+  for (std::size_t j = 0; j < raster.rows(); ++j) {
+    const std::size_t first = cover.runs.size();
+    for (const Segment& segment : raster.row(j)) {
+      if (cover.runs.size() > first && cover.runs.back().hi == segment.x_begin) {
+        cover.runs.back().hi = segment.x_end;
+      } else {
+        cover.runs.push_back({segment.x_begin, segment.x_end});
+      }
+    }
+    cover.row_start.push_back(cover.runs.size());
+  }
+  return cover;
+}
+
+LayerStatistics measure_layer(const Layer& layer, const Grid& grid, std::size_t materials,
+                              const StatisticsOptions& options, const Cover* below) {
+  LayerStatistics out{layer.index, layer.z_bottom, layer.z_top, {}, {}};
+  std::vector<MaterialStatistics> by(materials);
+  for (std::size_t m = 0; m < materials; ++m) by[m].material = MaterialId{m};
+  measure_areas(layer, grid, out, by);
+  const bool hatched = options.use_hatch && layer.hatch;
+  measure_tracks(hatched ? layer.hatch->rows : layer.raster, hatched ? layer.hatch->spacing : grid.pitch.y(),
+                 options.serpentine, by);
+  measure_islands(layer.raster, grid.pitch.y(), options.width, by);
+  if (below != nullptr && options.self_support) {
+    std::vector<double> overhang(materials);
+    add_overhang(layer.raster, *below, *options.self_support, grid.pitch.y(), overhang);
+    for (std::size_t m = 0; m < materials; ++m) by[m].unsupported = overhang[m] * grid.pitch.y();
+  }
+  for (const MaterialStatistics& one : by) {
+    if (one.area > 0.0 || one.segments > 0) out.materials.push_back(one);
+  }
+  return out;
+}
+
+}  // namespace lamella

@@ -1,0 +1,282 @@
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/xml.h"
+#include "slicing/compensated_sum.h"
+#include "slicing/plan/build_plan.h"
+#include "slicing/plan/load_tools.h"
+#include "slicing/plan/order_tools.h"
+#include "slicing/plan/plan_times.h"
+
+namespace lamella {
+
+namespace {
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string out;
+  for (const std::string& name : names) out += (out.empty() ? "" : ", ") + name;
+  return out;
+}
+
+std::int64_t millionths(double value) { return static_cast<std::int64_t>(std::llround(value * 1e6)); }
+
+class Planner {
+ public:
+  Planner(const BuildInfo& info, const std::vector<LayerStatistics>& layers, const Machine& machine)
+      : info_(info), layers_(layers), machine_(machine) {
+    plan_.machine = machine.name;
+    plan_.technology = machine.technology;
+    plan_.currency = machine.currency;
+    plan_.by_hatch = info.plan.hatch.has_value();
+    plan_.width = machine.width;
+    for (const MachineTool& tool : machine.tools) plan_.tools.push_back(tool.name);
+    for (const Material& material : info.materials) {
+      settings_.push_back(machine.settings_of(material.name));
+      PlanMaterial& planned = plan_.materials.emplace_back();
+      planned.name = material.name;
+      planned.color = material.color;
+      planned.density = material.density;
+    }
+  }
+
+  [[nodiscard]] BuildPlan run() {
+    check_heights();
+    const LoadSchedule loads = load();
+    const ToolOrder order = order_steps(loads);
+    lay_out(loads, order);
+    check_exposures();
+    add_times();
+    add_materials();
+    add_support();
+    add_costs();
+    measure_size();
+    plan_.findings = find_misfits(plan_, info_, machine_);
+    return std::move(plan_);
+  }
+
+ private:
+  /// The heads of material jetting lay all materials down in one sweep: there is nothing to change.
+  [[nodiscard]] bool all_at_once() const { return machine_.technology == Technology::material_jetting; }
+
+  void check_heights() const {
+    for (const LayerSpan& span : info_.plan.layers) {
+      const std::string fault = layer_height_fault(machine_, span.z_top - span.z_bottom);
+      if (fault.empty()) continue;
+      throw InputError(
+          "the build's layers of " + format_double(span.z_top - span.z_bottom) + " mm don't suit the machine: " + fault,
+          machine_.source, "slice again with --machine");
+    }
+  }
+
+  /// Material of each tool on each layer. Throws what can't be.
+  LoadSchedule load() {
+    LoadProblem problem;
+    problem.tools = machine_.tools.size();
+    problem.may_reload = machine_.allows_reloading;
+    for (const Material& material : info_.materials) {
+      std::uint32_t holders = 0;
+      for (const ToolId tool : machine_.tools.ids()) {
+        if (machine_.can_hold(tool, material.name)) holders |= 1U << tool.value();
+      }
+      problem.holders.push_back(holders);
+    }
+    for (const LayerStatistics& layer : layers_) {
+      problem.layers.emplace_back();
+      for (const MaterialStatistics& one : layer.materials) problem.layers.back().push_back(one.material.value());
+    }
+    refuse(judge_loads(problem), problem);
+    LoadSchedule schedule = schedule_loads(problem);
+    plan_.reloads = schedule.reloads;
+    plan_.reloads_bound = schedule.lower_bound;
+    return schedule;
+  }
+
+  void refuse(const LoadVerdict& verdict, const LoadProblem& problem) const {
+    switch (verdict.fault) {
+      case LoadFault::none:
+        return;
+      case LoadFault::material_fits_no_tool:
+        throw InputError("no tool can hold the material '" + info_.materials[MaterialId{verdict.which}].name + "'",
+                         machine_.source, "add <holds material=\"...\"/> to a tool, or choose another machine");
+      case LoadFault::layer_needs_too_much: {
+        std::vector<std::string> names;
+        for (const std::uint32_t m : problem.layers[verdict.which])
+          names.push_back(info_.materials[MaterialId{m}].name);
+        throw InputError("layer " + std::to_string(layers_[verdict.which].index) + " needs " +
+                             std::to_string(names.size()) + " materials at once (" + joined(names) +
+                             "), which don't fit the " + std::to_string(problem.tools) + " tools together",
+                         machine_.source, "choose a machine with more tools, fewer materials, or turn the part");
+      }
+      case LoadFault::needs_reloading:
+        throw InputError("the build needs " + std::to_string(verdict.which) + " materials, the machine has " +
+                             std::to_string(problem.tools) + " tools and isn't reloaded",
+                         machine_.source, "set reload=\"between-layers\" where an operator can do it");
+    }
+  }
+
+  ToolOrder order_steps(const LoadSchedule& loads) {
+    OrderProblem problem;
+    for (const ToolId from : machine_.tools.ids()) {
+      problem.cost.emplace_back();
+      for (const ToolId to : machine_.tools.ids()) {
+        const ToolChange change = machine_.change(from, to);
+        problem.cost.back().push_back(from == to || all_at_once()
+                                          ? ChangeCost{}
+                                          : ChangeCost{1, millionths(change.purge), millionths(change.time)});
+      }
+    }
+    for (const auto& tools : loads.tool_of) {
+      std::uint32_t set = 0;
+      for (const std::uint32_t tool : tools) set |= 1U << tool;
+      problem.layers.push_back(set);
+    }
+    ToolOrder order = order_tools(problem);
+    plan_.tool_changes = static_cast<std::uint64_t>(order.cost.changes);
+    plan_.tool_changes_bound = static_cast<std::uint64_t>(order.lower_bound.changes);
+    return order;
+  }
+
+  void lay_out(const LoadSchedule& loads, const ToolOrder& order) {
+    std::vector<std::optional<MaterialId>> loaded(machine_.tools.size());
+    std::optional<ToolId> active;
+    for (std::size_t k = 0; k < layers_.size(); ++k) {
+      plan_.layers.push_back({layers_[k].index, layers_[k].z_bottom, layers_[k].z_top, 0.0, {}});
+      for (const std::uint8_t tool : order.tools[k]) {
+        const auto& tools = loads.tool_of[k];
+        const auto place = static_cast<std::size_t>(std::find(tools.begin(), tools.end(), tool) - tools.begin());
+        plan_.layers.back().steps.push_back(make_step(ToolId{tool}, layers_[k].materials[place], loaded, active));
+      }
+    }
+  }
+
+  PlanStep make_step(ToolId tool, const MaterialStatistics& statistics, std::vector<std::optional<MaterialId>>& loaded,
+                     std::optional<ToolId>& active) const {
+    PlanStep step;
+    step.material = statistics.material;
+    step.tool = tool;
+    step.statistics = statistics;
+    auto& holds = loaded[tool.value()];
+    step.is_reload = holds && *holds != step.material;
+    if (step.is_reload) step.purge += machine_.reload_purge;
+    holds = step.material;
+    step.is_change = active && *active != tool && !all_at_once();
+    if (step.is_change) {
+      const ToolChange change = machine_.change(*active, tool);
+      step.change_time = change.time;
+      step.purge += change.purge;
+    }
+    active = tool;
+    return step;
+  }
+
+  void check_exposures() const {
+    if (machine_.technology != Technology::vat) return;
+    for (const PlanLayer& layer : plan_.layers) {
+      for (const PlanStep& step : layer.steps) {
+        if (settings_[step.material.value()].exposure > 0.0) continue;
+        throw InputError("no exposure is given for '" + info_.materials[step.material].name + "'", machine_.source,
+                         "add a <material match=\"...\" exposure=\"...\"/>");
+      }
+    }
+  }
+
+  void add_times() {
+    CompensatedSum time;
+    CompensatedSum changes;
+    for (std::size_t k = 0; k < plan_.layers.size(); ++k) {
+      PlanLayer& layer = plan_.layers[k];
+      fill_times(layer, layers_[k].box, plan_.by_hatch, info_.plan.grid.pitch.y(), machine_, settings_);
+      layer.time = machine_.layer_overhead;
+      for (PlanStep& step : layer.steps) {
+        step.volume = step.statistics.area * (layer.z_top - layer.z_bottom);
+        layer.time += step.time + step.change_time + (step.is_reload ? machine_.reload_time : 0.0);
+        changes.add(step.change_time);
+      }
+      time.add(layer.time);
+    }
+    plan_.time = time.value();
+    plan_.change_time = changes.value();
+    plan_.reload_time = static_cast<double>(plan_.reloads) * machine_.reload_time;
+  }
+
+  void add_materials() {
+    std::vector<CompensatedSum> volume(plan_.materials.size());
+    std::vector<CompensatedSum> length(plan_.materials.size());
+    for (const PlanLayer& layer : plan_.layers) {
+      for (const PlanStep& step : layer.steps) {
+        PlanMaterial& material = plan_.materials[step.material.value()];
+        if (std::find(material.tools.begin(), material.tools.end(), step.tool) == material.tools.end()) {
+          material.tools.push_back(step.tool);
+        }
+        volume[step.material.value()].add(step.volume);
+        length[step.material.value()].add(step.statistics.length);
+        material.time += step.time;
+        material.purge += step.purge;
+        material.unsupported += step.statistics.unsupported;
+      }
+    }
+    for (std::size_t m = 0; m < plan_.materials.size(); ++m) {
+      PlanMaterial& material = plan_.materials[m];
+      material.volume = volume[m].value();
+      material.length = length[m].value();
+      if (material.density) material.mass = material.volume * *material.density * 1e-3;  // mm^3 g/cm^3 = mg
+      material.cost =
+          price_of(material.volume + material.purge, settings_[m].price, settings_[m].per, material.density);
+    }
+  }
+
+  /// Support in all of the box that the materials leave, up to the last layer that holds any.
+  void add_support() {
+    if (!machine_.support || machine_.support->fill != SupportFill::box) return;
+    Box2 box;
+    std::size_t top = 0;
+    for (std::size_t k = 0; k < layers_.size(); ++k) {
+      box.extend(layers_[k].box);
+      if (!layers_[k].materials.empty()) top = k + 1;
+    }
+    PlanSupport support{machine_.support->material, 0.0, std::nullopt};
+    for (std::size_t k = 0; k < top; ++k) {
+      double volume = box.volume() * (layers_[k].z_top - layers_[k].z_bottom);
+      for (const PlanStep& step : plan_.layers[k].steps) volume -= step.volume;
+      support.volume += volume;
+    }
+    support.cost = price_of(support.volume, machine_.support->price, machine_.support->per, machine_.support->density);
+    plan_.support = support;
+  }
+
+  void add_costs() {
+    plan_.machine_cost = plan_.time / 3600.0 * machine_.cost_per_hour;
+    plan_.change_cost = static_cast<double>(plan_.tool_changes) * machine_.change_cost +
+                        static_cast<double>(plan_.reloads) * machine_.reload_cost;
+    plan_.cost = plan_.machine_cost + plan_.change_cost;
+    for (const PlanMaterial& material : plan_.materials) plan_.cost += material.cost.value_or(0.0);
+    if (plan_.support) plan_.cost += plan_.support->cost.value_or(0.0);
+  }
+
+  void measure_size() {
+    Box3 box;
+    for (const LayerStatistics& layer : layers_) {
+      if (layer.materials.empty()) continue;
+      box.extend(Vec3(layer.box.min().x(), layer.box.min().y(), layer.z_bottom));
+      box.extend(Vec3(layer.box.max().x(), layer.box.max().y(), layer.z_top));
+    }
+    if (box.isEmpty()) return;
+    plan_.size = box.sizes().cwiseProduct(machine_.scale());
+    plan_.fits = (plan_.size.array() <= machine_.volume.array() * (1.0 + 1e-12)).all();
+  }
+
+  const BuildInfo& info_;
+  const std::vector<LayerStatistics>& layers_;
+  const Machine& machine_;
+  std::vector<MaterialSettings> settings_;
+  BuildPlan plan_;
+};
+
+}  // namespace
+
+BuildPlan make_plan(const BuildInfo& info, const std::vector<LayerStatistics>& layers, const Machine& machine) {
+  return Planner(info, layers, machine).run();
+}
+
+}  // namespace lamella

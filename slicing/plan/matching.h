@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace lamella {
+
+/// A tool of its own for each of `materials`, tools being tried from the lowest; nothing when there is no such
+/// matching. `holders` has the tools of every material as bits.
+[[nodiscard]] std::optional<std::vector<std::uint32_t>> match_tools(const std::vector<std::uint32_t>& materials,
+                                                                    const std::vector<std::uint32_t>& holders);
+
+/// The matching of rows to columns of least cost (Hungarian method); cost[row][column], at most as many rows as
+/// columns.
+[[nodiscard]] std::vector<std::uint32_t> match_cheapest(const std::vector<std::vector<double>>& cost);
+
+}  // namespace lamella

@@ -1,0 +1,26 @@
+#include "slicing/plan/statistics_sink.h"
+
+namespace lamella {
+
+StatisticsSink::StatisticsSink(const Machine& machine) {
+  options_.width = machine.width;
+  options_.self_support = machine.self_support;
+  options_.serpentine = !machine.gcode || machine.gcode->serpentine;
+}
+
+void StatisticsSink::begin(const BuildInfo& info) {
+  info_ = info;
+  options_.use_hatch = info.plan.hatch.has_value();
+  layers_.reserve(info.plan.layers.size());
+}
+
+void StatisticsSink::write(const Layer& layer) {
+  // The first layer stands on the plate.
+  layers_.push_back(
+      measure_layer(layer, info_.plan.grid, info_.materials.size(), options_, below_ ? &*below_ : nullptr));
+  below_ = cover_of(layer.raster);
+}
+
+void StatisticsSink::finish(const SliceReport& report) { report_ = report; }
+
+}  // namespace lamella

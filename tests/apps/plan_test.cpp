@@ -1,0 +1,183 @@
+#include <gmock/gmock.h>
+
+#include "tests/apps/command_json.h"
+
+namespace lamella::test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+std::string machine(const char* name) { return quoted(datasets_dir() / "machines" / (std::string(name) + ".xml")); }
+
+/// A build that all tests of this file plan, with hatch rows.
+class Plan : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new TemporaryFolder;
+    const CommandResult result = run_lamella(
+        "slice " + quoted(datasets_dir() / "connector/connector.step") + " --materials " +
+        quoted(datasets_dir() / "connector/materials.xml") + " --machine " + machine("multi_nozzle") +
+        " --hatch-spacing 0.4 --hatch-angle 45 --rotate-per-layer 90 -o " + quoted(*folder_ / "build") + " --json");
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+    sliced_ = new Json(parse_output(result));
+  }
+  static void TearDownTestSuite() {
+    delete folder_;
+    delete sliced_;
+  }
+
+  static std::string build() { return quoted(*folder_ / "build"); }
+  static const TemporaryFolder& folder() { return *folder_; }
+  static const Json& sliced() { return *sliced_; }
+
+ private:
+  static inline TemporaryFolder* folder_ = nullptr;
+  static inline Json* sliced_ = nullptr;
+};
+
+TEST_F(Plan, TheMachineGivesPitchAndLayerHeight) { EXPECT_EQ(sliced()["grid"]["pitch"], Json::array({0.1, 0.2, 0.2})); }
+
+TEST_F(Plan, HasTheKeysOfTheContractAndTheReportsVolumes) {
+  const CommandResult result =
+      run_lamella("plan " + build() + " --machine " + machine("multi_nozzle") + " -o " + quoted(folder() / "plan.xml") +
+                  " --page " + quoted(folder() / "plan.html") + " --json");
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  const Json plan = parse_output(result);
+  expect_keys(plan, {"layers", "tool_changes", "time", "cost", "materials"});
+  EXPECT_EQ(plan["layers"], sliced()["layers"]);
+  EXPECT_EQ(plan["lattice"], "hatch");
+  ASSERT_EQ(plan["materials"].size(), sliced()["materials"].size());
+  for (std::size_t m = 0; m < plan["materials"].size(); ++m) {
+    const Json& planned = plan["materials"][m];
+    const Json& reported = sliced()["materials"][m];
+    expect_keys(planned, {"name", "tool", "volume", "mass", "length", "time", "cost"});
+    EXPECT_EQ(planned["name"], reported["name"]);
+    EXPECT_NEAR(planned["volume"].get<double>(), reported["volume"].get<double>(), 1e-9);
+    EXPECT_NEAR(planned["mass"].get<double>(), reported["mass"].get<double>(), 1e-9);
+    EXPECT_TRUE(planned["tool"].is_number_integer());
+  }
+  EXPECT_EQ(run_lamella("check " + quoted(folder() / "plan.xml")).exit_code, 0);
+  const std::string page = contents(folder() / "plan.html");
+  EXPECT_THAT(page, HasSubstr("<svg"));
+  EXPECT_THAT(page, HasSubstr("area in mm"));
+  EXPECT_THAT(page, Not(HasSubstr("http")));
+  EXPECT_THAT(page, Not(HasSubstr("src=")));
+}
+
+TEST_F(Plan, GivesTheSameBytesAgain) {
+  for (const char* name : {"first.xml", "second.xml"}) {
+    const CommandResult result = run_lamella("plan " + build() + " --machine " + machine("multi_nozzle") + " -o " +
+                                             quoted(folder() / name) + " --quiet");
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+  }
+  EXPECT_EQ(contents(folder() / "first.xml"), contents(folder() / "second.xml"));
+}
+
+TEST_F(Plan, ALayerHeightThatTheMachineCannotBuildIsRefused) {
+  const CommandResult slice = run_lamella("slice " + boxes() + " --machine " + machine("material_jetting") +
+                                          " --layer-height 0.1 -o " + quoted(folder() / "none"));
+  EXPECT_EQ(slice.exit_code, 1);
+  EXPECT_THAT(slice.errors, HasSubstr("0.0135 to 0.027 mm"));
+  const CommandResult plan = run_lamella("plan " + build() + " --machine " + machine("material_jetting") + " -o " +
+                                         quoted(folder() / "none.xml") + " --json");
+  EXPECT_EQ(plan.exit_code, 2);
+  EXPECT_THAT(parse_output(plan)["error"]["what"].get<std::string>(), HasSubstr("0.0135 to 0.027 mm"));
+  EXPECT_FALSE(std::filesystem::exists(folder() / "none.xml"));
+}
+
+TEST_F(Plan, ExplicitOptionsWinOverTheMachine) {
+  const CommandResult result =
+      run_lamella("slice " + boxes() + " --machine " + machine("multi_nozzle") + " --layer-height 0.3 --pitch 1 -o " +
+                  quoted(folder() / "coarse") + " --json");
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_EQ(parse_output(result)["grid"]["pitch"], Json::array({1.0, 1.0, 0.3}));
+}
+
+TEST_F(Plan, APartThatDoesNotFitIsExitCodeThree) {
+  std::string text = contents(datasets_dir() / "machines/multi_nozzle.xml");
+  text.replace(text.find("<volume x=\"360\""), 15, "<volume x=\"5\"");
+  write_text(folder() / "small.xml", text);
+  const CommandResult result = run_lamella("plan " + build() + " --machine " + quoted(folder() / "small.xml") + " -o " +
+                                           quoted(folder() / "small-plan.xml") + " --json");
+  EXPECT_EQ(result.exit_code, 3) << result.errors;
+  EXPECT_EQ(parse_output(result)["fits"], false);
+  EXPECT_THAT(result.errors, HasSubstr("the machine has 5 x 360 x 300 mm"));
+}
+
+TEST_F(Plan, NeverWritesOverItsInputs) {
+  write_text(folder() / "mine.xml", contents(datasets_dir() / "machines/multi_nozzle.xml"));
+  const std::string mine = quoted(folder() / "mine.xml");
+  EXPECT_EQ(run_lamella("plan " + build() + " --machine " + mine + " -o " + mine).exit_code, 1);
+  EXPECT_EQ(run_lamella("plan " + build() + " --machine " + mine + " -o " + build()).exit_code, 1);
+}
+
+TEST_F(Plan, CheckSaysWhatIsWrongWithMachinesAndPlans) {
+  EXPECT_EQ(run_lamella("check " + machine("multi_vat")).exit_code, 0);
+  for (const char* sample : {"machine/zero_size.xml", "plan/layer_index_twice.xml"}) {
+    const CommandResult result = run_lamella("check " + quoted(source_dir() / "schemas/invalid" / sample) + " --json");
+    EXPECT_EQ(result.exit_code, 3) << sample;
+    const Json report = parse_output(result);
+    EXPECT_EQ(report["ok"], false);
+    EXPECT_THAT(report["findings"][0]["where"].get<std::string>(), ::testing::ContainsRegex("\\.xml:[0-9]+"));
+  }
+}
+
+/// Plans the build and writes its G-code; the quoted options that gcode takes.
+std::string gcode_options(const TemporaryFolder& folder, const std::string& build) {
+  const CommandResult plan = run_lamella("plan " + build + " --machine " + machine("multi_nozzle") + " -o " +
+                                         quoted(folder / "for-gcode.xml") + " --quiet");
+  EXPECT_EQ(plan.exit_code, 0) << plan.errors;
+  return " --machine " + machine("multi_nozzle") + " --plan " + quoted(folder / "for-gcode.xml");
+}
+
+TEST_F(Plan, SliceAndExportWriteTheSameGcode) {
+  const std::string options = gcode_options(folder(), build());
+  const CommandResult exported =
+      run_lamella("export " + build() + " --to gcode -o " + quoted(folder() / "a.gcode") + options + " --json");
+  ASSERT_EQ(exported.exit_code, 0) << exported.errors;
+  EXPECT_EQ(parse_output(exported)["files"].size(), 1U);
+  const CommandResult slice =
+      run_lamella("slice " + quoted(datasets_dir() / "connector/connector.step") + " --materials " +
+                  quoted(datasets_dir() / "connector/materials.xml") +
+                  " --hatch-spacing 0.4 --hatch-angle 45 --rotate-per-layer 90 -o " + quoted(folder() / "again") +
+                  " --gcode " + quoted(folder() / "b.gcode") + options);
+  ASSERT_EQ(slice.exit_code, 0) << slice.errors;
+  EXPECT_EQ(contents(folder() / "a.gcode"), contents(folder() / "b.gcode"));
+}
+
+TEST_F(Plan, GcodeNeedsHatchRows) {
+  const std::string options = gcode_options(folder(), build());
+  ASSERT_EQ(run_lamella("slice " + boxes() + " --machine " + machine("multi_nozzle") + " -o " +
+                        quoted(folder() / "unhatched"))
+                .exit_code,
+            0);
+  const CommandResult result = run_lamella("export " + quoted(folder() / "unhatched") + " --to gcode -o " +
+                                           quoted(folder() / "none.gcode") + options);
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.errors, HasSubstr("--hatch-spacing"));
+  EXPECT_FALSE(std::filesystem::exists(folder() / "none.gcode"));
+}
+
+// printrun drives printers; its reader knows nothing of ours.
+TEST_F(Plan, PrintrunReadsThePlansToolsLayersAndLengths) {
+  if (run_command("/usr/bin/python3 -c 'import printrun.gcoder'").exit_code != 0) GTEST_SKIP() << "no printrun";
+  const std::string options = gcode_options(folder(), build());
+  ASSERT_EQ(run_lamella("export " + build() + " --to gcode -o " + quoted(folder() / "c.gcode") + options).exit_code, 0);
+  const Json plan = parse_output(run_lamella("plan " + build() + " --machine " + machine("multi_nozzle") + " -o " +
+                                             quoted(folder() / "again.xml") + " --json --quiet"));
+  const Json read = parse_output(run_command("/usr/bin/python3 " + quoted(source_dir() / "tests/apps/read_gcode.py") +
+                                             " " + quoted(folder() / "c.gcode")));
+  EXPECT_EQ(read["changes"], plan["tool_changes"]);
+  EXPECT_EQ(read["layers"], plan["layers"]);
+  for (const Json& material : plan["materials"]) {
+    const double length = material["length"].get<double>();
+    const std::string tool = std::to_string(material["tool"].get<int>());
+    EXPECT_NEAR(read["length"][tool].get<double>(), length, 1e-5 * length) << material["name"];
+  }
+  const double width = sliced()["grid"]["size"][0].get<double>() * 0.1;
+  EXPECT_NEAR(read["box"][1].get<double>() - read["box"][0].get<double>(), width, 0.4);
+}
+
+}  // namespace
+}  // namespace lamella::test

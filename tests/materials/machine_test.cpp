@@ -1,0 +1,109 @@
+#include "materials/machine.h"
+
+#include <fstream>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "tests/support/paths.h"
+
+namespace lamella {
+namespace {
+
+using ::testing::HasSubstr;
+
+Machine shipped(const char* name) { return read_machine(test::datasets_dir() / "machines" / name); }
+
+TEST(Machine, ResolutionInDotsPerInchBecomesAPitch) {
+  const Machine machine = shipped("material_jetting.xml");
+  EXPECT_EQ(machine.technology, Technology::material_jetting);
+  EXPECT_DOUBLE_EQ(machine.pitch.x(), 25.4 / 600.0);
+  EXPECT_DOUBLE_EQ(machine.pitch.y(), 25.4 / 300.0);
+  EXPECT_DOUBLE_EQ(machine.layer_default, 0.027);
+  EXPECT_DOUBLE_EQ(machine.shrink.x(), 0.0015);
+  EXPECT_DOUBLE_EQ(machine.scale().x(), 1.0 / 0.9985);
+}
+
+TEST(Machine, ToolsHoldWhatTheirGlobsMatchAndAllWithoutAny) {
+  const Machine machine = shipped("multi_nozzle.xml");
+  EXPECT_TRUE(machine.can_hold(ToolId{2}, "Steel S2"));
+  EXPECT_FALSE(machine.can_hold(ToolId{1}, "Steel S2"));
+  EXPECT_TRUE(machine.can_hold(ToolId{1}, "TPE Thermolast K"));
+  EXPECT_TRUE(machine.can_hold(ToolId{0}, "Steel S2"));
+}
+
+TEST(Machine, AChangeIsThatOfTheMatrixElseOfTheToolItLeadsTo) {
+  const Machine machine = shipped("multi_nozzle.xml");
+  EXPECT_DOUBLE_EQ(machine.change(ToolId{2}, ToolId{3}).time, 8.0);
+  EXPECT_DOUBLE_EQ(machine.change(ToolId{2}, ToolId{0}).purge, 30.0);
+  EXPECT_DOUBLE_EQ(machine.change(ToolId{0}, ToolId{1}).time, 20.0);
+  EXPECT_DOUBLE_EQ(machine.change(ToolId{0}, ToolId{1}).purge, 40.0);
+  EXPECT_DOUBLE_EQ(machine.change(ToolId{4}, ToolId{4}).time, 0.0);
+}
+
+TEST(Machine, TheFirstSettingsThatMatchCount) {
+  const Machine machine = shipped("multi_vat.xml");
+  EXPECT_DOUBLE_EQ(machine.settings_of("TPE Thermolast K").exposure, 5.0);
+  EXPECT_DOUBLE_EQ(machine.settings_of("Brass").exposure, 2.5);
+  EXPECT_DOUBLE_EQ(machine.settings_of("Brass").first_exposure, 30.0);
+}
+
+TEST(Machine, LayerHeightsAreWithinTheRangeAndOnTheStep) {
+  const Machine vat = shipped("multi_vat.xml");
+  EXPECT_EQ(layer_height_fault(vat, 0.1), "");
+  EXPECT_EQ(layer_height_fault(vat, 0.025 + 0.05), "");
+  EXPECT_THAT(layer_height_fault(vat, 0.06), HasSubstr("multiple of 0.025 mm"));
+  EXPECT_THAT(layer_height_fault(vat, 0.2), HasSubstr("0.025 to 0.1 mm"));
+  EXPECT_THAT(layer_height_fault(vat, std::nan("")), HasSubstr("0.025 to 0.1 mm"));
+  EXPECT_EQ(layer_height_fault(shipped("multi_nozzle.xml"), 0.1234), "");
+}
+
+/// What only the reader sees, and what its message must say.
+struct Slip {
+  const char* was;
+  const char* becomes;
+  const char* mentions;
+};
+
+class MachineSlip : public ::testing::TestWithParam<Slip> {};
+
+TEST_P(MachineSlip, IsAnInputErrorWithLineAndHint) {
+  std::ifstream stream(test::source_dir() / "schemas/valid/machine/every_attribute.xml");
+  std::string text{std::istreambuf_iterator<char>(stream), {}};
+  const std::string was = GetParam().was;
+  ASSERT_NE(text.find(was), std::string::npos);
+  text.replace(text.find(was), was.size(), GetParam().becomes);
+  const test::TemporaryFolder folder;
+  std::ofstream(folder / "m.xml") << text;
+  try {
+    (void)read_machine(folder / "m.xml");
+    FAIL() << "accepted: " << GetParam().becomes;
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr(GetParam().mentions));
+    EXPECT_THAT(error.where(), ::testing::ContainsRegex("m\\.xml:[0-9]+$"));
+    EXPECT_NE(error.hint(), "");
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Machine, MachineSlip,
+    ::testing::Values(Slip{"price=\"48\" ", "", "go together"}, Slip{"dpi_y", "pitch_y", "pitches or resolutions"},
+                      Slip{"<raster dpi_x=\"300\" dpi_y=\"150\"/>", "<raster/>", "pitches or resolutions"},
+                      Slip{"min=\"0.1\" max=\"0.3\"", "min=\"0.3\" max=\"0.1\"", "less than min"},
+                      Slip{"default=\"0.2\"", "default=\"0.22\"", "default height"},
+                      Slip{"turn=\"0.1\"", "swath=\"1\"", "only material jetting"},
+                      Slip{"technology=\"extrusion\"", "technology=\"material-jetting\"", "needs a swath"},
+                      Slip{"technology=\"extrusion\"", "technology=\"powder-bed\"", "for extrusion"},
+                      Slip{"to=\"right\"", "to=\"left\"", "same tool"}, Slip{"P[LA]*", "P[LA*", "can't be used"}));
+
+TEST(Machine, AVatNeedsAnExposureForEveryMaterial) {
+  const test::TemporaryFolder folder;
+  std::ifstream stream(test::source_dir() / "schemas/valid/machine/vat.xml");
+  std::string text{std::istreambuf_iterator<char>(stream), {}};
+  text.replace(text.find(" exposure=\"2.5\""), 15, "");
+  std::ofstream(folder / "vat.xml") << text;
+  EXPECT_THROW((void)read_machine(folder / "vat.xml"), InputError);
+}
+
+}  // namespace
+}  // namespace lamella

@@ -1,0 +1,101 @@
+#include <cstdlib>
+#include <fstream>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sstream>
+
+#include "core/error.h"
+#include "slicing/plan/build_plan.h"
+#include "tests/support/paths.h"
+
+namespace lamella {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool schema_accepts(const fs::path& file) {
+  const fs::path schema = test::source_dir() / "schemas/plan.xsd";
+  const std::string command =
+      "xmllint --nonet --noout --schema '" + schema.string() + "' '" + file.string() + "' >/dev/null 2>&1";
+  return std::system(command.c_str()) == 0;
+}
+
+bool reader_accepts(const fs::path& file) {
+  try {
+    (void)read_plan_xml(file);
+    return true;
+  } catch (const InputError& error) {
+    EXPECT_NE(error.where().find(file.filename().string()), std::string::npos) << error.what();
+    return false;
+  }
+}
+
+std::vector<fs::path> samples(const char* kind) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(test::source_dir() / "schemas" / kind / "plan")) {
+    files.push_back(entry.path());
+  }
+  return files;
+}
+
+std::string written(const BuildPlan& plan) {
+  std::ostringstream stream;
+  write_plan_xml(plan, stream);
+  return stream.str();
+}
+
+TEST(PlanXml, SchemaAndReaderAcceptTheValidSamples) {
+  const auto files = samples("valid");
+  ASSERT_GE(files.size(), 2U);
+  for (const fs::path& file : files) {
+    EXPECT_TRUE(schema_accepts(file)) << file;
+    EXPECT_TRUE(reader_accepts(file)) << file;
+  }
+}
+
+TEST(PlanXml, SchemaAndReaderRefuseTheInvalidSamples) {
+  const auto files = samples("invalid");
+  ASSERT_GE(files.size(), 25U);
+  for (const fs::path& file : files) {
+    EXPECT_FALSE(schema_accepts(file)) << file;
+    EXPECT_FALSE(reader_accepts(file)) << file;
+  }
+}
+
+TEST(PlanXml, ReadsBackAsItWasWritten) {
+  const BuildPlan plan = read_plan_xml(test::source_dir() / "schemas/valid/plan/two_tools.xml");
+  EXPECT_EQ(plan.layers.size(), 3U);
+  EXPECT_EQ(plan.materials[1].name, "Grün & weich");
+  EXPECT_FALSE(plan.materials[1].mass);
+  EXPECT_EQ(plan.layers[2].steps[0].tool, ToolId{1});
+  const test::TemporaryFolder folder;
+  std::ofstream(folder / "again.xml") << written(plan);
+  EXPECT_TRUE(schema_accepts(folder / "again.xml"));
+  EXPECT_EQ(written(read_plan_xml(folder / "again.xml")), written(plan));
+}
+
+/// Totals that the schema can't compare with the layers.
+class PlanSlip : public ::testing::TestWithParam<std::pair<const char*, const char*>> {};
+
+TEST_P(PlanSlip, IsRefused) {
+  std::ifstream stream(test::source_dir() / "schemas/valid/plan/two_tools.xml");
+  std::string text{std::istreambuf_iterator<char>(stream), {}};
+  const std::string was = GetParam().first;
+  ASSERT_NE(text.find(was), std::string::npos);
+  text.replace(text.find(was), was.size(), GetParam().second);
+  const test::TemporaryFolder folder;
+  std::ofstream(folder / "p.xml") << text;
+  EXPECT_TRUE(schema_accepts(folder / "p.xml"));
+  EXPECT_FALSE(reader_accepts(folder / "p.xml"));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    PlanXml, PlanSlip,
+    ::testing::Values(std::pair{"layers=\"3\"", "layers=\"4\""}, std::pair{"tool_changes=\"2\"", "tool_changes=\"1\""},
+                      std::pair{"tool_changes_bound=\"2\"", "tool_changes_bound=\"3\""},
+                      std::pair{"reloads=\"0\"", "reloads=\"1\""}, std::pair{"time=\"60\"", "time=\"61\""},
+                      std::pair{"volume=\"40\"", "volume=\"41\""}, std::pair{"z_top=\"0.2\"", "z_top=\"-1\""},
+                      std::pair{"tools=\"0\"", "tools=\"7\""}));
+
+}  // namespace
+}  // namespace lamella
