@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 
 namespace lamella {
@@ -30,8 +31,12 @@ constexpr double kCutOff = 1e-4;
 /// plane are 1.06 spacings at 1/2 and 0.47 at 1/10; docs/methods/dithering.md has what was tried.
 constexpr double kSpread = 0.65;
 
+/// Peak of the plane kernels over that of the kernel in space: each of a point's three axial planes gets one, so that
+/// single layers are spread evenly too, which a section of an even pattern in space need not be.
+constexpr double kSlice = 0.1;
+
 /// What a point adds to every voxel of its three axial planes, over the kernel's peak. It keeps the counts of planes
-/// within about one point of one another, and so the means of gradients along an axis exact; likewise.
+/// within about one point of one another, and so the means of gradients along an axis.
 constexpr double kPlane = 0.1;
 
 /// Bits without order for breaking ties (Steele, Lea and Flood, Fast splittable pseudorandom number generators, 2014).
@@ -47,6 +52,7 @@ using Profile = std::array<double, kSide>;
 /// A gaussian along one axis, wound around the torus.
 Profile wind_gaussian(double sigma, double pitch) {
   Profile profile{};
+  if (pitch == 0.0) return profile[0] = 1.0, profile;
   const int reach = static_cast<int>(std::ceil(6.0 * sigma / pitch));
   for (int d = -reach; d <= reach; ++d) {
     const double t = d * pitch / sigma;
@@ -67,23 +73,51 @@ struct Kernel {
   std::int32_t plane = 0;  ///< what a point adds to all voxels of each of the three planes that it is in
 };
 
-Kernel make_kernel(double sigma, const Vec3& pitch) {
-  const Profile x = wind_gaussian(sigma, pitch.x());
-  const Profile y = wind_gaussian(sigma, pitch.y());
-  const Profile z = wind_gaussian(sigma, pitch.z());
-  double total = 0.0;
-  for (int row = 0; row < kRows; ++row) {
-    for (const double w : x) total += w * y[row % kSide] * z[row / kSide];
+/// A gaussian on the torus or, along axes of pitch 0, on the planes where these are 0.
+class Gaussian {
+ public:
+  Gaussian(double sigma, const Vec3& pitch)
+      : x_(wind_gaussian(sigma, pitch.x())), y_(wind_gaussian(sigma, pitch.y())), z_(wind_gaussian(sigma, pitch.z())) {}
+  [[nodiscard]] double at(int x, int y, int z) const { return x_[x] * y_[y] * z_[z]; }
+
+ private:
+  Profile x_;
+  Profile y_;
+  Profile z_;
+};
+
+/// Weights by x, y, z of the kernel for a pattern in which one voxel of 2^octave is of the rarer kind.
+std::vector<double> sum_gaussians(int octave, const Vec3& pitch) {
+  const double sparsity = std::exp2(octave + 0.5);
+  const double widest = 0.25 * kSide * pitch.maxCoeff();  // wider on a torus this small tells nothing apart
+  const double sigma = kSpread * std::min(widest, std::cbrt(pitch.prod() * sparsity));
+  std::vector<double> weights(kVoxels);
+  const auto add = [&](double factor, const Gaussian& gaussian) {
+    for (int v = 0; v < kVoxels; ++v) {
+      weights[v] += factor * gaussian.at(v % kSide, v / kSide % kSide, v / kRows);
+    }
+  };
+  add(1.0, Gaussian(sigma, pitch));
+  for (int axis = 0; axis < 3; ++axis) {
+    Vec3 in_plane = pitch;
+    in_plane[axis] = 0.0;
+    const double area = pitch.prod() / pitch[axis];
+    add(kSlice, Gaussian(kSpread * std::min(widest, std::sqrt(area * sparsity)), in_plane));
   }
-  const double peak = x[0] * y[0] * z[0];
-  const double scale = kFull / (total + 3.0 * kRows * kPlane * peak);
-  Kernel kernel{{}, static_cast<std::int32_t>(std::lround(scale * kPlane * peak))};
+  return weights;
+}
+
+Kernel make_kernel(int octave, const Vec3& pitch) {
+  const std::vector<double> weights = sum_gaussians(octave, pitch);
+  const double total = std::accumulate(weights.begin(), weights.end(), 3.0 * kRows * kPlane);
+  const double scale = kFull / total;
+  Kernel kernel{{}, static_cast<std::int32_t>(std::lround(scale * kPlane))};
   for (int row = 0; row < kRows; ++row) {
+    const double* const from = weights.data() + row * kSide;
+    if (*std::max_element(from, from + kSide) < kCutOff) continue;
     KernelRow out{row % kSide, row / kSide, {}};
-    const double weight = y[out.dy] * z[out.dz];
-    if (weight < kCutOff * y[0] * z[0]) continue;
     for (int i = 0; i < 2 * kSide; ++i) {
-      out.weights[i] = static_cast<std::int32_t>(std::lround(scale * weight * x[i & kWrap]));
+      out.weights[i] = static_cast<std::int32_t>(std::lround(scale * from[i & kWrap]));
     }
     kernel.rows.push_back(out);
   }
@@ -184,20 +218,13 @@ int Pattern::find_cluster() const {
   return *std::max_element(points_.begin(), points_.end(), [&](int a, int b) { return energy(a) < energy(b); });
 }
 
-/// The standard deviation that suits a pattern in which one voxel of 2^octave is of the rarer kind.
-double fit_sigma(int octave, const Vec3& pitch) {
-  const double spacing = std::cbrt(pitch.prod() * std::exp2(octave + 0.5));
-  // On a torus of few spacings a wider kernel would tell nothing apart.
-  return kSpread * std::min(spacing, 0.25 * kSide * pitch.maxCoeff());
-}
-
 void Pattern::fit_kernel() {
   const int rarer = std::max(1, std::min(size(), kVoxels - size()));
   int octave = 1;
   while (kVoxels >> (octave + 1) >= rarer) ++octave;
   if (octave == octave_) return;
   octave_ = octave;
-  kernel_ = make_kernel(fit_sigma(octave, pitch_), pitch_);
+  kernel_ = make_kernel(octave, pitch_);
   // Energies of all points are those of a full torus less those of the empty voxels: the rarer kind is added up.
   const bool sparse = size() <= kVoxels / 2;
   std::vector<int> rare;
@@ -236,8 +263,7 @@ void start(Pattern& pattern) {
 }
 
 bool is_usable(const Vec3& pitch) {
-  // Written so that NaN fails.
-  return pitch.minCoeff() > 0.0 && pitch.maxCoeff() < 1e100 && pitch.maxCoeff() <= 100.0 * pitch.minCoeff();
+  return pitch.allFinite() && pitch.minCoeff() > 0.0 && pitch.maxCoeff() <= 100.0 * pitch.minCoeff();
 }
 
 }  // namespace
