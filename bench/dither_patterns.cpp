@@ -89,15 +89,18 @@ DitherRow by_diffusion(float fraction, float upward) {
   };
 }
 
+std::filesystem::path name_file(const std::filesystem::path& folder, std::string method, int percent) {
+  return folder / method.append("_").append(std::to_string(percent)).append(".raw");
+}
+
 void write_all(const std::filesystem::path& folder) {
   const DitherMask mask(Vec3(0.042, 0.084, 0.027));
   for (const int percent : {50, 25, 10}) {
     const float fraction = static_cast<float>(percent) / 100.0F;
-    const std::string end = "_" + std::to_string(percent) + ".raw";
-    write(folder / ("mask" + end), by_mask(mask, fraction));
-    write(folder / ("white" + end), by_chance(fraction));
-    write(folder / ("diffusion" + end), by_diffusion(fraction, 0.0F));
-    write(folder / ("diffusion3" + end), by_diffusion(fraction, 1.0F / 3.0F));
+    write(name_file(folder, "mask", percent), by_mask(mask, fraction));
+    write(name_file(folder, "white", percent), by_chance(fraction));
+    write(name_file(folder, "diffusion", percent), by_diffusion(fraction, 0.0F));
+    write(name_file(folder, "diffusion3", percent), by_diffusion(fraction, 1.0F / 3.0F));
   }
 }
 

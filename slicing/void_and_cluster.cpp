@@ -24,8 +24,8 @@ constexpr int kStart = kVoxels / 16;
 constexpr double kFull = 1 << 29;
 constexpr std::int32_t kTaken = 1 << 30;
 
-/// Rows of the kernel whose peak is less than this part of the kernel's own are left out: 4.3 standard deviations.
-constexpr double kCutOff = 1e-4;
+/// Rows of the kernel whose peak is less than this part of the kernel's own are left out: 3.7 standard deviations.
+constexpr double kCutOff = 1e-3;
 
 /// Standard deviation of the kernel over the mean spacing of the rarer kind of voxel. Ulichney's 1.5 pixels in the
 /// plane are 1.06 spacings at 1/2 and 0.47 at 1/10; docs/methods/dithering.md has what was tried.
