@@ -23,7 +23,8 @@ class DitherMask {
  public:
   static constexpr int kSide = kTorusSide;  ///< voxels of a period along each axis
 
-  /// `pitch` is a voxel's size, mm; only its ratios count. Takes about half a second. Throws as void_and_cluster() does.
+  /// `pitch` is a voxel's size, mm; only its ratios count. Takes about half a second. Throws as void_and_cluster()
+  /// does.
   explicit DitherMask(const Vec3& pitch);
 
   /// Greater than 0, less than 1.
