@@ -33,6 +33,7 @@ class GcodeSink final : public LayerSink {
   void write(const Layer& layer) override {
     check_layer(layer, info_);
     const PlanLayer& plan = plan_of(layer);
+    check_tracks(layer, plan);
     if (plan.steps.empty() || !layer.hatch) return;
     file_->stream() << fmt::format(";LAYER_CHANGE\n;LAYER:{}\n;Z:{:.4f}\n;HEIGHT:{:.4f}\n", layer.index,
                                    layer.z_top + offset_.z(), layer.z_top - layer.z_bottom);
@@ -126,6 +127,20 @@ class GcodeSink final : public LayerSink {
       out << fmt::format("; material: {}, tools{}, tracks {:.4f} mm, volume {:.4f} mm^3, mass {}\n",
                          gcode::plain(material.name), tools, material.length, material.volume,
                          material.mass ? fmt::format("{:.4f} g", *material.mass) : "unknown");
+    }
+  }
+
+  /// The plan knows of every segment: nothing of a layer may be left out because the plan is of another cut.
+  void check_tracks(const Layer& layer, const PlanLayer& plan) const {
+    std::vector<std::uint64_t> segments(info_.materials.size());
+    if (layer.hatch) {
+      for (const Segment& segment : layer.hatch->rows.segments) ++segments[segment.material.value()];
+    }
+    for (const PlanStep& step : plan.steps) segments[step.material.value()] -= step.statistics.segments;
+    for (const std::uint64_t left : segments) {
+      if (left == 0) continue;
+      throw InputError("the plan is of another build: the segments of layer " + std::to_string(layer.index) + " differ",
+                       {}, "make it again with lamella plan");
     }
   }
 

@@ -233,6 +233,19 @@ TEST(GcodeText, StopsForAReload) {
   EXPECT_EQ(file.tools.size(), 1U);
 }
 
+TEST(GcodeText, RefusesAPlanThatLeavesSegmentsOut) {
+  const Machine machine = machine_with(GcodeFlavor::marlin, true, true);
+  const Hatched build(Vec3(100.0, 50.0, 0.0));
+  BuildPlan plan = build.plan(machine);
+  plan.layers[3].steps.pop_back();
+  const test::TemporaryFolder folder;
+  {
+    const auto sink = make_gcode_sink(folder / "f.gcode", {plan, machine});
+    EXPECT_THROW(test::feed(*sink, build.info, build.layers), InputError);
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
 template <class Failure>
 void expect_refused(const Hatched& build, const BuildPlan& plan, const Machine& machine, const char* mentions) {
   const test::TemporaryFolder folder;

@@ -96,6 +96,16 @@ INSTANTIATE_TEST_SUITE_P(
                       Slip{"technology=\"extrusion\"", "technology=\"powder-bed\"", "for extrusion"},
                       Slip{"to=\"right\"", "to=\"left\"", "same tool"}, Slip{"P[LA]*", "P[LA*", "can't be used"}));
 
+TEST(Machine, CutOffAnywhereIsAnInputError) {
+  std::ifstream stream(test::source_dir() / "schemas/valid/machine/every_attribute.xml");
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  const test::TemporaryFolder folder;
+  for (std::size_t size = 0; size + 12 < text.size(); size += 7) {
+    std::ofstream(folder / "cut.xml") << text.substr(0, size);
+    EXPECT_THROW((void)read_machine(folder / "cut.xml"), InputError) << size;
+  }
+}
+
 TEST(Machine, AVatNeedsAnExposureForEveryMaterial) {
   const test::TemporaryFolder folder;
   std::ifstream stream(test::source_dir() / "schemas/valid/machine/vat.xml");

@@ -74,6 +74,16 @@ TEST(PlanXml, ReadsBackAsItWasWritten) {
   EXPECT_EQ(written(read_plan_xml(folder / "again.xml")), written(plan));
 }
 
+TEST(PlanXml, CutOffAnywhereIsAnInputError) {
+  std::ifstream stream(test::source_dir() / "schemas/valid/plan/two_tools.xml");
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  const test::TemporaryFolder folder;
+  for (std::size_t size = 0; size + 10 < text.size(); size += 11) {
+    std::ofstream(folder / "cut.xml") << text.substr(0, size);
+    EXPECT_THROW((void)read_plan_xml(folder / "cut.xml"), InputError) << size;
+  }
+}
+
 /// Totals that the schema can't compare with the layers.
 class PlanSlip : public ::testing::TestWithParam<std::pair<const char*, const char*>> {};
 
