@@ -16,6 +16,8 @@ namespace lamella::apps {
 struct FormatOptions {
   bool xml_text = false;  ///< numbers of the XML slices as text
   bool vdb_ids = false;   ///< an Int32 grid of material ids in the VDB
+  bool dither = false;    ///< graded materials dithered in png, png-indexed and vdb
+  int grey_bits = 8;      ///< of png-grey
 };
 
 /// One output of a run.
