@@ -368,7 +368,7 @@ bool FaceSection::cut_arc(Family& family, const FacePoint& begin, const FacePoin
     append_chord(begin.node, end.node, begin.point.xy, end.point.xy, false, out);
     return true;
   }
-  if (!carried.empty() && carry(face_->surface, face_->sign, begin.point, end.point, z, limits_, carried)) {
+  if (!carried.empty() && carry(face_->surface, face_->sign, begin.point, end.point, z, limits_, true, carried)) {
     append(begin.node, end.node, carried.arc.pieces, out);
     return true;
   }
@@ -433,7 +433,7 @@ void FaceSection::cut_loop(Family& family, double z, Section& out) {
   const FacePoint seed = cut_point(family, z);
   CarriedArc& carried = family.carried;
   if (seed.usable && !carried.empty() &&
-      (carried.z == z || carry(face_->surface, face_->sign, seed.point, seed.point, z, limits_, carried))) {
+      (carried.z == z || carry(face_->surface, face_->sign, seed.point, seed.point, z, limits_, true, carried))) {
     append(seed.node, seed.node, carried.arc.pieces, out);
     return;
   }
