@@ -23,9 +23,9 @@ namespace {
 constexpr double kPieceSize = 1.0 / 16.0;
 constexpr int kBorderHalvings = 4;
 
-/// Where solids touch, pieces are divided on until they bend by less than this part of their radius, or so often. Rows
-/// can be held against them all the more closely.
-constexpr double kPatchBend = 0.02;
+/// Where solids touch, pieces are divided on until they are quadrics but for this part of their radius, or so often.
+/// Rows can be held against them all the more closely.
+constexpr double kPatchBend = 0.002;
 constexpr int kPatchHalvings = 4;
 constexpr int kMaxHalvings = 24;
 
@@ -202,18 +202,34 @@ class PairSearch {
     });
   }
 
-  /// A piece that touches, in parts that are nearly flat.
+  /// Half the second fundamental form, of vectors in space: d is taken to (u, v) by the first one's inverse.
+  static Mat3 second_form(const SurfacePoint2& s, const Vec3& normal) {
+    Eigen::Matrix2d first;
+    first << s.du.squaredNorm(), s.du.dot(s.dv), s.du.dot(s.dv), s.dv.squaredNorm();
+    if (!(std::abs(first.determinant()) > 0.0)) return Mat3::Zero();
+    Eigen::Matrix<double, 2, 3> tangents;
+    tangents << s.du.transpose(), s.dv.transpose();
+    const Eigen::Matrix<double, 2, 3> to_uv = first.inverse() * tangents;
+    Eigen::Matrix2d second;
+    second << normal.dot(s.duu), normal.dot(s.duv), normal.dot(s.duv), normal.dot(s.dvv);
+    const Mat3 form = 0.5 * to_uv.transpose() * second * to_uv;
+    return form.allFinite() ? form : Mat3(Mat3::Zero());
+  }
+
+  /// A piece that touches, in parts that are nearly quadrics.
   void add_patches(const FaceSearch& face, const BezierPatch& patch, int depth) {
     ContactPatch out;
     const Vec2 at(patch.u.middle(), patch.v.middle());
     out.center = evaluate_point(patch, at.x(), at.y());
-    out.normal = outward_normal(scene_, face.id, face.form->to_surface(at));
+    const Vec2 uv = face.form->to_surface(at);
+    out.normal = outward_normal(scene_, face.id, uv);
+    out.form = second_form(evaluate2(scene_.faces[face.id].surface, uv), out.normal);
     // The border's corners and middles are where a small piece is farthest from its middle and its tangent plane.
     for (const double u : {patch.u.lo, patch.u.middle(), patch.u.hi}) {
       for (const double v : {patch.v.lo, patch.v.middle(), patch.v.hi}) {
         const Vec3 aside = evaluate_point(patch, u, v) - out.center;
         out.radius = std::max(out.radius, aside.norm());
-        out.bend = std::max(out.bend, std::abs(out.normal.dot(aside)));
+        out.bend = std::max(out.bend, std::abs(out.normal.dot(aside) - aside.dot(out.form * aside)));
       }
     }
     if (depth == kPatchHalvings || out.bend <= kPatchBend * out.radius) {

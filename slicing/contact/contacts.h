@@ -16,8 +16,9 @@ namespace lamella {
 struct ContactPatch {
   Vec3 center = Vec3::Zero();
   Vec3 normal = Vec3::Zero();  ///< of unit length; zero where the surface has none
+  Mat3 form = Mat3::Zero();    ///< 1/mm; the surface is normal . d = d . form d, to second order, d from the centre
   double radius = 0.0;         ///< mm; the piece lies within it of the centre
-  double bend = 0.0;           ///< mm; and, as sampled, within it of the plane through the centre
+  double bend = 0.0;           ///< mm; and, as sampled, within it of the quadric
 };
 
 /// Where two solids lie along one another: within the gap tolerance, where they touch, and beyond it up to the reach.

@@ -1,6 +1,7 @@
 #include "slicing/contact/gap_filler.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -35,32 +36,72 @@ constexpr double kEndAccuracy = 1e-3;
 /// Distances add up to the tolerance but for rounding.
 constexpr double kSlack = 1e-9;
 
-/// Where a row may run along a patch: within its radius of the centre, and near the plane through it. `offset` leads
-/// from the centre to the nearest point of the row, `middle` is that point along it; lo > hi if nowhere.
-Interval along_patch(const ContactPatch& patch, double tolerance, const Vec3& offset, double middle,
-                     const Vec2& along) {
-  const Interval within{middle - kBeyond * patch.radius, middle + kBeyond * patch.radius};
-  // What is bent grows with the square of the distance.
-  const double limit = kBeyond * kBeyond * kBendSlack * patch.bend + tolerance;
-  const double aside = patch.normal.dot(offset);
-  const double slope = patch.normal.head<2>().dot(along);
-  if (std::abs(slope) * patch.radius * kBeyond <= limit) {
-    return std::abs(aside) <= limit + std::abs(slope) * patch.radius * kBeyond ? within : Interval{1.0, 0.0};
+/// Rows of a layer beside a patch. The height of a row's points over the patch's quadric is a + b x + c x^2, x along
+/// the row from the point nearest to the patch's centre; a is a quadratic and b linear in t, the row's place across
+/// from the centre.
+class RowsOverPatch {
+ public:
+  /// `height` (mm) leads from the centre up to the layer.
+  RowsOverPatch(const ContactPatch& patch, double tolerance, double height, const RowLattice& lattice)
+      : reach_(kBeyond * patch.radius) {
+    const Vec3 along(lattice.along.x(), lattice.along.y(), 0.0);
+    const Vec3 across(lattice.across.x(), lattice.across.y(), 0.0);
+    const Vec3 up(0.0, 0.0, height);
+    const auto form = [&](const Vec3& d, const Vec3& e) { return d.dot(patch.form * e); };
+    a_ = {patch.normal.dot(up) - form(up, up), patch.normal.dot(across) - 2.0 * form(across, up),
+          -form(across, across)};
+    b_ = {patch.normal.dot(along) - 2.0 * form(along, up), -2.0 * form(along, across)};
+    c_ = -form(along, along);
+    // What isn't a quadric grows with the cube of the distance.
+    limit_ = kBeyond * kBeyond * kBeyond * kBendSlack * patch.bend + tolerance;
   }
-  const auto [low, high] = std::minmax({(-limit - aside) / slope, (limit - aside) / slope});
-  return {std::max(within.lo, middle + low), std::min(within.hi, middle + high)};
-}
 
-/// Whether one span after the other covers an interval, `spans` ascending by begin. Gaps that are no longer along the
-/// row than kMinGap are filled in any case.
-bool covers(std::span<const Span> spans, const Interval& interval) {
+  /// Goes to a row; false if it certainly stays away from the patch.
+  bool go_to(double t) {
+    a_here_ = a_[0] + t * (a_[1] + t * a_[2]);
+    b_here_ = b_[0] + t * b_[1];
+    return !(std::abs(a_here_) > limit_ + reach_ * (std::abs(b_here_) + reach_ * std::abs(c_)));
+  }
+
+  /// A place of a stretch of the row that may lie within the tolerance of the patch: the first of those where the
+  /// height is least, which are the point next to the centre, zeros, the extremum and the stretch's ends.
+  [[nodiscard]] std::optional<double> find_near(const Interval& stretch) const {
+    const double root = std::sqrt(b_here_ * b_here_ - 4.0 * a_here_ * c_);
+    const std::array<double, 7> places{std::clamp(0.0, stretch.lo, stretch.hi),
+                                       0.5 * (-b_here_ - root) / c_,
+                                       0.5 * (-b_here_ + root) / c_,
+                                       -a_here_ / b_here_,
+                                       -0.5 * b_here_ / c_,
+                                       stretch.lo,
+                                       stretch.hi};
+    for (const double x : places) {
+      // Some may be NaN or infinite.
+      if (stretch.contains(x) && std::abs(a_here_ + x * (b_here_ + x * c_)) <= limit_) return x;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  double reach_;
+  std::array<double, 3> a_{};
+  std::array<double, 2> b_{};
+  double c_ = 0.0;
+  double limit_ = 0.0;
+  double a_here_ = 0.0;
+  double b_here_ = 0.0;
+};
+
+/// Calls visit(part) for the parts of an interval that no span covers, `spans` ascending by begin. What is open for no
+/// longer than kMinGap is filled in any case.
+template <class Visit>
+void for_each_open(std::span<const Span> spans, const Interval& interval, const Visit& visit) {
   double end = interval.lo;
   for (const Span& span : spans) {
-    if (span.begin > end + tolerance::kMinGap) return false;
+    if (end >= interval.hi) return;
+    if (span.begin > end + tolerance::kMinGap) visit(Interval{end, std::min(span.begin, interval.hi)});
     end = std::max(end, span.end);
-    if (end >= interval.hi) return true;
   }
-  return false;
+  if (end < interval.hi) visit(Interval{end, interval.hi});
 }
 
 /// What no span of a row covers, ascending, unbounded at both ends.
@@ -95,9 +136,9 @@ class GapFiller::RowSearch {
       const Interval stretch = open_[i];
       if (stretch.hi < candidate.near.lo || stretch.lo > candidate.near.hi) continue;
       const Interval part{std::max(stretch.lo, candidate.near.lo), std::min(stretch.hi, candidate.near.hi)};
-      const auto start = find_start(candidate, part);
-      if (!start) continue;
-      const Interval gap{reach(candidate.step, *start, stretch.lo), reach(candidate.step, *start, stretch.hi)};
+      const double start = std::clamp(candidate.along, part.lo, part.hi);
+      if (!is_in_gap(start, candidate.owner)) continue;
+      const Interval gap{reach(candidate.step, start, stretch.lo), reach(candidate.step, start, stretch.hi)};
       if (!is_worth(gap, stretch)) continue;
       out.push_back(fill_of(gap));
       take(i, gap);
@@ -119,6 +160,8 @@ class GapFiller::RowSearch {
     const bool is_owned_by_first = owner == touch_->first;
     const SolidId near_solid = is_owned_by_first ? touch_->second : touch_->first;
     const SolidId far_solid = is_owned_by_first ? touch_->first : touch_->second;
+    // Boxes nearly always tell that one of the two is far.
+    if (!filler_.distances_.may_come_within(far_solid, point, limit)) return false;
     const auto first = filler_.distances_.find(near_solid, point, limit + kSlack * limit);
     if (!first) return false;
     const auto second = filler_.distances_.find(far_solid, point, limit - first->distance + kSlack * limit);
@@ -140,15 +183,6 @@ class GapFiller::RowSearch {
     constexpr double kUpright = 0.99999;
     const Vec3 normal = outward_normal(filler_.distances_.scene(), near.face, near.uv);
     return std::abs(normal.dot(point - near.point)) >= kUpright * near.distance;
-  }
-
-  /// A point of the gap on a part of an open stretch: that at which it is looked for, or the part's middle.
-  [[nodiscard]] std::optional<double> find_start(const Candidate& candidate, const Interval& part) const {
-    const double along = std::clamp(candidate.along, part.lo, part.hi);
-    if (is_in_gap(along, candidate.owner)) return along;
-    const double middle = part.lo + 0.5 * (part.hi - part.lo);
-    if (middle != along && is_in_gap(middle)) return middle;
-    return std::nullopt;
   }
 
   /// How far the gap goes on from `from` towards `end` of the open stretch.
@@ -238,6 +272,7 @@ void GapFiller::find_grazed(const Touch& touch, double z, const RowLattice& latt
   const Contact& contact = *touch.contact;
   const double beyond = kBeyond * touch.largest_radius;
   const double local_z = z - contact.offset.z();
+  const auto touch_index = static_cast<std::uint32_t>(&touch - touches_.data());
   const auto begin = std::lower_bound(contact.patches->begin(), contact.patches->end(), local_z - beyond,
                                       [](const ContactPatch& p, double height) { return p.center.z() < height; });
   for (auto it = begin; it != contact.patches->end() && it->center.z() <= local_z + beyond; ++it) {
@@ -252,13 +287,14 @@ void GapFiller::find_grazed(const Touch& touch, double z, const RowLattice& latt
     const double low = std::max(std::ceil((across - radius) / lattice.spacing - 0.5), first_row);
     const double high =
         std::min(std::floor((across + radius) / lattice.spacing - 0.5), static_cast<double>(lattice.last_row - 1));
+    RowsOverPatch over(*it, contact.tolerance, local_z - it->center.z(), lattice);
     for (double number = low; number <= high; number += 1.0) {
+      if (!over.go_to((number + 0.5) * lattice.spacing - across)) continue;
       const auto row = static_cast<std::size_t>(number - first_row);
-      const Vec2 to_row = ((number + 0.5) * lattice.spacing - across) * lattice.across;
-      const Interval near = along_patch(*it, contact.tolerance, {to_row.x(), to_row.y(), local_z - it->center.z()},
-                                        middle, lattice.along);
-      if (!(near.lo <= near.hi) || covers(spans.row(row), near)) continue;
-      out.push_back({row, static_cast<std::uint32_t>(&touch - touches_.data()), middle, near, it->radius, {}});
+      for_each_open(spans.row(row), {middle - radius, middle + radius}, [&](const Interval& part) {
+        const auto place = over.find_near({part.lo - middle, part.hi - middle});
+        if (place) out.push_back({row, touch_index, middle + *place, part, it->radius, {}});
+      });
     }
   }
 }

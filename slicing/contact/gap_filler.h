@@ -43,8 +43,8 @@ class GapFiller {
   struct Candidate {
     std::size_t row = 0;
     std::uint32_t touch = 0;
-    double along = 0.0;  ///< mm: of the end of an open stretch, or of the patch's middle
-    Interval near;       ///< of the row, along the patch; at an end only that
+    double along = 0.0;  ///< mm: the end of an open stretch, or a place of it near a patch
+    Interval near;       ///< what is open of the row beside the patch; at an end only that
     double step = 0.0;   ///< mm, by which a gap is followed
     SolidId owner;       ///< whose end it is; none of a patch
   };
