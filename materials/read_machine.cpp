@@ -3,8 +3,8 @@
 
 #include "core/error.h"
 #include "core/xml.h"
-#include "materials/glob.h"
 #include "materials/machine.h"
+#include "materials/rule_fields.h"
 
 namespace lamella {
 
@@ -35,27 +35,6 @@ double not_negative(const XmlElement& element, const char* name, const char* uni
   return number_within(element, name, 0.0, kLargest, unit, 0.0);
 }
 
-std::string read_name(const XmlElement& element, const char* attribute) {
-  std::string name = element.attribute(attribute);
-  const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; };
-  const bool multiline = name.find_first_of("\r\n") != std::string::npos;
-  if (name.empty() || multiline || blank(name.front()) || blank(name.back())) {
-    throw InputError(std::string(attribute) + "=\"" + name + "\" is no name", element.where(),
-                     "write one line, not empty, without blanks at its ends");
-  }
-  return name;
-}
-
-std::string read_glob(const XmlElement& element, const char* attribute) {
-  std::string glob = element.attribute(attribute);
-  if (glob.empty()) throw InputError(std::string(attribute) + " is empty", element.where(), "write * for all");
-  if (const auto fault = glob_fault(glob)) {
-    throw InputError("the pattern " + in_quotes(glob) + " can't be used: " + *fault, element.where(),
-                     "see docs/formats/materials.md");
-  }
-  return glob;
-}
-
 /// The value that a word stands for.
 template <class Value>
 Value read_word(const XmlElement& element, const char* name, const std::map<std::string, Value>& words) {
@@ -65,10 +44,6 @@ Value read_word(const XmlElement& element, const char* name, const std::map<std:
   std::string known;
   for (const auto& [word, value] : words) known += (known.empty() ? "" : ", ") + word;
   throw InputError(std::string(name) + "=\"" + text + "\" isn't known", element.where(), "one of: " + known);
-}
-
-void refuse_text(const XmlElement& element) {
-  if (!element.text().empty()) throw InputError("unexpected text", element.where(), "remove it");
 }
 
 XmlElement required(const XmlElement& root, const char* name) {
@@ -91,7 +66,7 @@ class MachineReader {
   explicit MachineReader(const XmlElement& root) {
     root.allow_only({"version", "name", "technology"}, {"volume", "raster", "layer", "deposition", "compensation",
                                                         "tools", "materials", "support", "cost", "gcode"});
-    check_head(root);
+    check_xml_head(root, kNamespace, "machine profile");
     machine_.name = read_name(root, "name");
     machine_.technology = read_word(root, "technology", kTechnologies);
     read_volume(required(root, "volume"));
@@ -110,18 +85,6 @@ class MachineReader {
   [[nodiscard]] Machine take() { return std::move(machine_); }
 
  private:
-  static void check_head(const XmlElement& root) {
-    if (root.attribute_or("xmlns", "") != kNamespace) {
-      throw InputError("not a Lamella machine file", root.where(),
-                       std::string("the root needs xmlns=\"") + kNamespace + "\"");
-    }
-    const std::string version = root.attribute("version");
-    const bool digits =
-        version.size() > 2 && version.size() < 7 && version.find_first_not_of("0123456789", 2) == std::string::npos;
-    if (version.starts_with("1.") && digits) return;
-    throw InputError("version " + in_quotes(version) + " isn't known", root.where(), "this program reads version 1.0");
-  }
-
   void read_volume(const XmlElement& element) {
     element.allow_only({"x", "y", "z"}, {});
     refuse_text(element);

@@ -7,7 +7,7 @@
 
 namespace lamella {
 
-// Attributes that the files about materials share. All throw InputError with file, line and hint.
+// Attributes that the files about materials and machines share. All throw InputError with file, line and hint.
 
 /// A name on one line, without blanks at its ends.
 [[nodiscard]] std::string read_name(const XmlElement& element, const char* attribute);

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "tests/apps/command_json.h"
+#include "tests/support/schema_samples.h"
 
 namespace lamella::test {
 namespace {
@@ -14,32 +15,18 @@ std::string job_text(const std::string& body) {
   return "<job xmlns=\"urn:lamella:job:1\" version=\"1.0\">\n" + body + "\n</job>\n";
 }
 
-std::vector<std::filesystem::path> samples(const char* kind) {
-  std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(source_dir() / "schemas" / kind / "job")) {
-    files.push_back(entry.path());
-  }
-  return files;
-}
-
-bool schema_accepts(const std::filesystem::path& file) {
-  return run_command("xmllint --nonet --noout --schema " + quoted(source_dir() / "schemas/job.xsd") + " " +
-                     quoted(file))
-             .exit_code == 0;
-}
-
 TEST(JobSchema, SchemaAndReaderAcceptTheValidSamples) {
-  ASSERT_GE(samples("valid").size(), 2U);
-  for (const auto& file : samples("valid")) {
-    EXPECT_TRUE(schema_accepts(file)) << file;
+  ASSERT_GE(schema_samples("valid", "job").size(), 2U);
+  for (const auto& file : schema_samples("valid", "job")) {
+    EXPECT_TRUE(schema_accepts("job", file)) << file;
     EXPECT_EQ(run_lamella("check " + quoted(file)).exit_code, 0) << file;
   }
 }
 
 TEST(JobSchema, SchemaAndReaderRefuseTheInvalidSamples) {
-  ASSERT_GE(samples("invalid").size(), 20U);
-  for (const auto& file : samples("invalid")) {
-    EXPECT_FALSE(schema_accepts(file)) << file;
+  ASSERT_GE(schema_samples("invalid", "job").size(), 20U);
+  for (const auto& file : schema_samples("invalid", "job")) {
+    EXPECT_FALSE(schema_accepts("job", file)) << file;
     const int code = run_lamella("check " + quoted(file)).exit_code;
     EXPECT_TRUE(code == 2 || code == 3) << file << ": exit code " << code;
   }

@@ -167,7 +167,8 @@ std::size_t count_matches(const std::string& text, const char* pattern) {
 
 // printrun drives printers; its reader knows nothing of ours.
 TEST_F(Plan, PrintrunReadsThePlansToolsLayersAndLengths) {
-  if (run_command("/usr/bin/python3 -c 'import printrun.gcoder'").exit_code != 0) GTEST_SKIP() << "no printrun";
+  ASSERT_EQ(run_command("/usr/bin/python3 -c 'import printrun.gcoder'").exit_code, 0)
+      << "scripts/test installs printrun";
   const std::string options = gcode_options(folder(), build());
   ASSERT_EQ(run_lamella("export " + build() + " --to gcode -o " + quoted(folder() / "c.gcode") + options).exit_code, 0);
   const Json plan = parse_output(run_lamella("plan " + build() + " --machine " + machine("multi_nozzle") + " -o " +

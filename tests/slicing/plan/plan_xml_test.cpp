@@ -1,4 +1,3 @@
-#include <cstdlib>
 #include <fstream>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,37 +5,10 @@
 
 #include "core/error.h"
 #include "slicing/plan/build_plan.h"
-#include "tests/support/paths.h"
+#include "tests/support/schema_samples.h"
 
 namespace lamella {
 namespace {
-
-namespace fs = std::filesystem;
-
-bool schema_accepts(const fs::path& file) {
-  const fs::path schema = test::source_dir() / "schemas/plan.xsd";
-  const std::string command =
-      "xmllint --nonet --noout --schema '" + schema.string() + "' '" + file.string() + "' >/dev/null 2>&1";
-  return std::system(command.c_str()) == 0;
-}
-
-bool reader_accepts(const fs::path& file) {
-  try {
-    (void)read_plan_xml(file);
-    return true;
-  } catch (const InputError& error) {
-    EXPECT_NE(error.where().find(file.filename().string()), std::string::npos) << error.what();
-    return false;
-  }
-}
-
-std::vector<fs::path> samples(const char* kind) {
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(test::source_dir() / "schemas" / kind / "plan")) {
-    files.push_back(entry.path());
-  }
-  return files;
-}
 
 std::string written(const BuildPlan& plan) {
   std::ostringstream stream;
@@ -44,23 +16,7 @@ std::string written(const BuildPlan& plan) {
   return stream.str();
 }
 
-TEST(PlanXml, SchemaAndReaderAcceptTheValidSamples) {
-  const auto files = samples("valid");
-  ASSERT_GE(files.size(), 2U);
-  for (const fs::path& file : files) {
-    EXPECT_TRUE(schema_accepts(file)) << file;
-    EXPECT_TRUE(reader_accepts(file)) << file;
-  }
-}
-
-TEST(PlanXml, SchemaAndReaderRefuseTheInvalidSamples) {
-  const auto files = samples("invalid");
-  ASSERT_GE(files.size(), 25U);
-  for (const fs::path& file : files) {
-    EXPECT_FALSE(schema_accepts(file)) << file;
-    EXPECT_FALSE(reader_accepts(file)) << file;
-  }
-}
+TEST(PlanXml, SchemaAndReaderJudgeTheSamplesAlike) { test::expect_samples_to_be_judged("plan", 2, 25, read_plan_xml); }
 
 TEST(PlanXml, ReadsBackAsItWasWritten) {
   const BuildPlan plan = read_plan_xml(test::source_dir() / "schemas/valid/plan/two_tools.xml");
@@ -70,7 +26,7 @@ TEST(PlanXml, ReadsBackAsItWasWritten) {
   EXPECT_EQ(plan.layers[2].steps[0].tool, ToolId{1});
   const test::TemporaryFolder folder;
   std::ofstream(folder / "again.xml") << written(plan);
-  EXPECT_TRUE(schema_accepts(folder / "again.xml"));
+  EXPECT_TRUE(test::schema_accepts("plan", folder / "again.xml"));
   EXPECT_EQ(written(read_plan_xml(folder / "again.xml")), written(plan));
 }
 
@@ -95,8 +51,8 @@ TEST_P(PlanSlip, IsRefused) {
   text.replace(text.find(was), was.size(), GetParam().second);
   const test::TemporaryFolder folder;
   std::ofstream(folder / "p.xml") << text;
-  EXPECT_TRUE(schema_accepts(folder / "p.xml"));
-  EXPECT_FALSE(reader_accepts(folder / "p.xml"));
+  EXPECT_TRUE(test::schema_accepts("plan", folder / "p.xml"));
+  EXPECT_FALSE(test::reader_accepts(read_plan_xml, folder / "p.xml"));
 }
 
 INSTANTIATE_TEST_SUITE_P(
