@@ -87,7 +87,8 @@ void add_export(CLI::App& program, CommonOptions& common, Action& action) {
   CLI::App* verb = program.add_subcommand("export", "any format from a build");
   auto build = std::make_shared<std::string>();
   verb->add_option("build", *build, "the folder that lamella slice wrote")->required()->type_name("BUILD");
-  add_value(*verb, "--to", "png (one stack per material), png-indexed, vdb, xml, gcode", "FORMAT")->required();
+  add_value(*verb, "--to", "png (one stack per material), png-indexed, png-grey, vdb, xml, gcode", "FORMAT")
+      ->required();
   add_value(*verb, "-o,--output", "the file or folder to write", "OUT")->required();
   add_value(*verb, "--layers", "only layers A to B - 1, from 0; either may be missing", "A:B");
   add_format_options(*verb);

@@ -6,7 +6,9 @@
 
 #include "apps/options.h"
 #include "core/error.h"
+#include "export/dither_sink.h"
 #include "export/gcode_sink.h"
+#include "export/grey_png_stack.h"
 #include "export/png_stack.h"
 #include "export/vdb/vdb_sink.h"
 #include "export/xml_slices.h"
@@ -54,7 +56,7 @@ void check_build_folder(const fs::path& folder) {
 }  // namespace
 
 const std::vector<std::string>& available_formats() {
-  static const std::vector<std::string> formats{"png", "png-indexed", "vdb", "xml", "gcode"};
+  static const std::vector<std::string> formats{"png", "png-indexed", "png-grey", "vdb", "xml", "gcode"};
   return formats;
 }
 
@@ -72,6 +74,8 @@ void add_format_options(CLI::App& verb) {
   add_value(verb, "--xml-payload", "numbers in the XML: binary (zlib + base64, the default) or text", "KIND");
   add_switch(verb, "--vdb-ids", "also an Int32 grid of material ids in the VDB");
   add_value(verb, "--plan", "the build's plan, for G-code", "plan.xml");
+  add_switch(verb, "--dither", "graded materials in png, png-indexed and vdb as voxels of what they are mixed of");
+  add_value(verb, "--grey-bits", "bits a pixel of png-grey: 8 (the default) or 16", "N");
 }
 
 FormatOptions read_format_options(const CLI::App& verb) {
@@ -83,6 +87,11 @@ FormatOptions read_format_options(const CLI::App& verb) {
     options.xml_text = *payload == "text";
   }
   options.vdb_ids = verb.count("--vdb-ids") > 0;
+  options.dither = verb.count("--dither") > 0;
+  if (const auto bits = given(verb, "--grey-bits")) {
+    if (*bits != "8" && *bits != "16") throw UsageError("'" + *bits + "' bits", "--grey-bits", "give 8 or 16");
+    options.grey_bits = *bits == "16" ? 16 : 8;
+  }
   options.plan = given(verb, "--plan");
   options.machine = given(verb, "--machine");
   return options;
@@ -99,16 +108,29 @@ void check_format_options(const FormatOptions& options, const std::vector<Output
   if (!options.machine) throw UsageError("gcode needs --machine", {}, "name the machine that the plan is for");
 }
 
-std::unique_ptr<LayerSink> make_sink(const Output& output, const FormatOptions& options) {
+namespace {
+
+std::unique_ptr<LayerSink> make_plain_sink(const Output& output, const FormatOptions& options) {
   if (output.format == "store") return make_store_sink(output.path);
   check_format(output.format);
   if (output.format == "png") return make_png_sink(output.path);
+  if (output.format == "png-grey") return make_grey_png_sink(output.path, options.grey_bits);
   if (output.format == "png-indexed") return make_indexed_png_sink(output.path);
   if (output.format == "vdb") return make_vdb_sink(output.path, {.integer_ids = options.vdb_ids});
   if (output.format == "gcode") {
     return make_gcode_sink(output.path, {read_plan_xml(*options.plan), read_machine(*options.machine)});
   }
   return make_xml_sink(output.path, options.xml_text ? XmlPayload::text : XmlPayload::binary);
+}
+
+/// The formats whose voxels have one material each.
+bool can_dither(const std::string& format) { return format == "png" || format == "png-indexed" || format == "vdb"; }
+
+}  // namespace
+
+std::unique_ptr<LayerSink> make_sink(const Output& output, const FormatOptions& options) {
+  auto sink = make_plain_sink(output, options);
+  return options.dither && can_dither(output.format) ? make_dither_sink(std::move(sink)) : std::move(sink);
 }
 
 namespace {

@@ -18,6 +18,8 @@ struct FormatOptions {
   bool vdb_ids = false;                ///< an Int32 grid of material ids in the VDB
   std::optional<std::string> plan;     ///< plan.xml, for G-code
   std::optional<std::string> machine;  ///< machine.xml, for G-code
+  bool dither = false;                 ///< graded materials dithered in png, png-indexed and vdb
+  int grey_bits = 8;                   ///< of png-grey
 };
 
 /// One output of a run.

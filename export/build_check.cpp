@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/error.h"
+#include "slicing/layer_check.h"
 
 namespace lamella {
 
@@ -33,7 +34,8 @@ std::string find_rows_fault(const SegmentRows& rows, const BuildInfo& info) {
       return fault + " (row " + std::to_string(r) + ")";
     }
   }
-  return {};
+  const auto limits = make_layer_limits(info.plan.grid.size[1], info.materials, info.solids.size());
+  return find_mixtures_fault(rows, limits).value_or("");
 }
 
 std::string find_grid_fault(const Grid& grid) {
@@ -53,6 +55,12 @@ std::string find_build_fault(const BuildInfo& info) {
   for (const LayerSpan& span : info.plan.layers) {
     if (!std::isfinite(span.z_bottom) || !std::isfinite(span.z_sample) || !std::isfinite(span.z_top)) {
       return "a planned layer's height is not finite";
+    }
+  }
+  for (const Material& material : info.materials) {
+    for (const MaterialId component : material.components) {
+      const bool is_plain = component.value() < info.materials.size() && !info.materials[component].is_graded();
+      if (!is_plain) return "material " + material.name + " is mixed of something that is no plain material";
     }
   }
   for (const BuildSolid& solid : info.solids) {

@@ -92,8 +92,11 @@ void empty_folder(const fs::path& root, const std::string& extension) {
 
 }  // namespace
 
-ImageFolder::ImageFolder(fs::path root, std::string extension, bool folder_per_material)
-    : root_(std::move(root)), extension_(std::move(extension)), folder_per_material_(folder_per_material) {
+ImageFolder::ImageFolder(fs::path root, std::string extension, bool folder_per_material, unsigned value)
+    : root_(std::move(root)),
+      extension_(std::move(extension)),
+      folder_per_material_(folder_per_material),
+      value_(value) {
   layers_csv_ = fmt::format("{}\n", kLayersHeader);
 }
 
@@ -142,7 +145,7 @@ void ImageFolder::write_tables(const BuildInfo& info) const {
   std::string materials = fmt::format("{}\n", kMaterialsHeader);
   for (MaterialId id : info.materials.ids()) {
     const Material& material = info.materials[id];
-    const unsigned value = folder_per_material_ ? 1 : 1 + id.value();
+    const unsigned value = folder_per_material_ ? value_ : 1 + id.value();
     const std::string folder = folder_per_material_ ? subfolders_[id.value()] : ".";
     const std::string density = material.density ? format_double(*material.density) : "";
     materials += fmt::format("{},{},{},{}", value, csv_field(material.name), csv_field(folder), density);

@@ -17,8 +17,9 @@ namespace lamella {
 /// an earlier stack is removed when a new one begins.
 class ImageFolder {
  public:
-  /// The folder itself is made by open(). `extension` of the images comes with its dot.
-  ImageFolder(std::filesystem::path root, std::string extension, bool folder_per_material);
+  /// The folder itself is made by open(). `extension` of the images comes with its dot. `value` is that of pixels that
+  /// are wholly of a folder's material.
+  ImageFolder(std::filesystem::path root, std::string extension, bool folder_per_material, unsigned value = 1);
 
   /// Checks and empties the folder, creates it and its sub-folders, and writes the tables but layers.csv. Throws
   /// ExportError.
@@ -44,6 +45,7 @@ class ImageFolder {
   std::filesystem::path root_;
   std::string extension_;
   bool folder_per_material_;
+  unsigned value_;
   std::vector<std::string> subfolders_;  ///< by material, empty when all images lie in the root
   std::string layers_csv_;
   bool is_open_ = false;  ///< all in the folder is ours

@@ -98,6 +98,16 @@ PackedImage::PackedImage(std::int64_t width, std::int64_t height, int bits)
   bytes_.resize((stride_ + 1) * static_cast<std::size_t>(height));
 }
 
+void PackedImage::set(std::int64_t row, std::int64_t column, unsigned value) {
+  std::uint8_t* bytes = bytes_.data() + static_cast<std::size_t>(row) * (stride_ + 1) + 1;
+  if (bits_ == 8) {
+    bytes[column] = static_cast<std::uint8_t>(value);
+    return;
+  }
+  bytes[2 * column] = static_cast<std::uint8_t>(value >> 8);
+  bytes[2 * column + 1] = static_cast<std::uint8_t>(value);
+}
+
 void PackedImage::fill(std::int64_t row, std::int64_t begin, std::int64_t end, unsigned value) {
   if (begin >= end) return;
   // 1 / (2^bits - 1) of 255 times the value repeats it through the byte: 0x55 * 3 = 0xFF.

@@ -11,14 +11,17 @@
 
 namespace lamella {
 
-/// Pixels of 1, 2, 4 or 8 bits, packed as PNG has them: the leftmost pixel in the highest bits, rows padded to a byte.
-/// Row 0 is the top of the picture. All zero at first.
+/// Pixels of 1, 2, 4, 8 or 16 bits, packed as PNG has them: the leftmost pixel in the highest bits, rows padded to a
+/// byte. Row 0 is the top of the picture. All zero at first.
 class PackedImage {
  public:
   /// Throws UsageError when the pixels would take 2 GiB or more.
   PackedImage(std::int64_t width, std::int64_t height, int bits);
 
-  /// Gives pixels [begin, end) of `row` the value `value`; work is proportional to bytes, not pixels.
+  /// Gives one pixel of 8 or 16 bits its value.
+  void set(std::int64_t row, std::int64_t column, unsigned value);
+
+  /// Of up to 8 bits. Gives pixels [begin, end) of `row` the value `value`; work is proportional to bytes, not pixels.
   void fill(std::int64_t row, std::int64_t begin, std::int64_t end, unsigned value);
 
   [[nodiscard]] std::int64_t width() const { return width_; }

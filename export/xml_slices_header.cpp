@@ -48,13 +48,33 @@ std::vector<SourceFile> read_sources(XmlStream& xml) {
   return sources;
 }
 
+std::string components_text(const Material& material) {
+  std::vector<std::uint32_t> ids;
+  for (const MaterialId component : material.components) ids.push_back(component.value());
+  return format_list(std::span<const std::uint32_t>(ids));
+}
+
+std::vector<MaterialId> read_components(XmlStream& xml) {
+  std::vector<std::uint32_t> ids;
+  try {
+    parse_list(xml.attribute("components"), kMaxBlockItems, ids);
+  } catch (const std::invalid_argument& error) {
+    xml.fail(std::string("components: ") + error.what());
+  }
+  std::vector<MaterialId> components;
+  for (const std::uint32_t id : ids) components.emplace_back(id);
+  return components;
+}
+
 void write_materials(XmlWriter& xml, const IdVector<MaterialId, Material>& materials) {
   xml.start("materials");
   for (MaterialId id : materials.ids()) {
     const Material& material = materials[id];
     xml.start("material").attribute("id", id.value()).attribute("name", material.name);
     if (material.density) xml.attribute("density", *material.density);
-    xml.attribute("color", std::span<const double>(material.color)).end();
+    xml.attribute("color", std::span<const double>(material.color));
+    if (material.is_graded()) xml.attribute("components", components_text(material));
+    xml.end();
   }
   xml.end();
 }
@@ -63,7 +83,7 @@ IdVector<MaterialId, Material> read_materials(XmlStream& xml) {
   IdVector<MaterialId, Material> materials;
   xml.enter("materials");
   while (xml.at("material")) {
-    xml.enter("material", {"id", "name", "density", "color"});
+    xml.enter("material", {"id", "name", "density", "color", "components"});
     const auto next = static_cast<std::int64_t>(materials.size());
     static_cast<void>(xml.integer("id", next, next));
     Material material;
@@ -71,6 +91,7 @@ IdVector<MaterialId, Material> read_materials(XmlStream& xml) {
     if (xml.has("density")) material.density = xml.number("density");
     const auto color = xml.numbers("color", 3);
     std::copy(color.begin(), color.end(), material.color.begin());
+    if (xml.has("components")) material.components = read_components(xml);
     materials.push_back(std::move(material));
     xml.leave();
   }

@@ -4,6 +4,8 @@
 
 #include "core/error.h"
 #include "export/build_check.h"
+#include "export/xml_blocks.h"
+#include "export/xml_mixtures.h"
 #include "export/xml_payload.h"
 #include "export/xml_slices.h"
 #include "export/xml_slices_format.h"
@@ -23,28 +25,6 @@ struct Columns {
   std::vector<std::uint32_t> material;
   std::vector<std::uint32_t> solid;
 };
-
-/// Reads <name> with its blocks: exactly `count` numbers.
-template <class T>
-std::vector<T> read_blocks(XmlStream& xml, std::string_view name, std::size_t count) {
-  std::vector<T> items;
-  xml.enter(name);
-  while (xml.at("block")) {
-    xml.enter("block", {"bytes", "stored"});
-    const auto bytes = static_cast<std::size_t>(xml.integer("bytes", 1, kMaxBlockItems * sizeof(T)));
-    const auto stored = static_cast<std::size_t>(xml.integer("stored", 1, INT32_MAX));
-    if (bytes / sizeof(T) > count - items.size()) xml.fail("more numbers than stated");
-    try {
-      unpack_block(bytes, stored, xml.text(), items);
-    } catch (const std::invalid_argument& error) {
-      xml.fail(std::string("block: ") + error.what());
-    }
-    xml.leave();
-  }
-  if (items.size() != count) xml.fail("not as many numbers as stated");
-  xml.leave();
-  return items;
-}
 
 void append(SegmentRows& rows, const Columns& columns) {
   for (std::size_t i = 0; i < columns.x_begin.size(); ++i) {
@@ -108,7 +88,7 @@ void read_row(XmlStream& xml, std::size_t row_count, std::size_t segment_count, 
   xml.leave();
 }
 
-SegmentRows read_rows(XmlStream& xml) {
+SegmentRows read_segments(XmlStream& xml) {
   const auto row_count = static_cast<std::size_t>(xml.integer("rows", 0, kMaxRows));
   const auto segment_count = static_cast<std::size_t>(xml.integer("segments", 0, kMaxSegments));
   if (xml.at("packed")) return read_packed(xml, row_count, segment_count);
@@ -116,6 +96,12 @@ SegmentRows read_rows(XmlStream& xml) {
   while (xml.at("row")) read_row(xml, row_count, segment_count, rows);
   while (rows.rows() < row_count) rows.row_start.push_back(rows.segments.size());
   if (rows.segments.size() != segment_count) xml.fail("not as many segments as stated");
+  return rows;
+}
+
+SegmentRows read_rows(XmlStream& xml) {
+  SegmentRows rows = read_segments(xml);
+  if (xml.at("mixtures")) rows.mixtures = read_mixtures(xml, rows.segments.size());
   return rows;
 }
 

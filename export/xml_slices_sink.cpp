@@ -5,6 +5,8 @@
 #include "core/xml_writer.h"
 #include "export/build_check.h"
 #include "export/output_file.h"
+#include "export/xml_blocks.h"
+#include "export/xml_mixtures.h"
 #include "export/xml_payload.h"
 #include "export/xml_slices.h"
 #include "export/xml_slices_format.h"
@@ -27,17 +29,6 @@ std::vector<T> column(std::span<const Segment> segments, Get get) {
 
 std::uint32_t material_of(const Segment& segment) { return segment.material.value(); }
 std::uint32_t solid_of(const Segment& segment) { return segment.solid.value(); }
-
-template <class T>
-void write_blocks(XmlWriter& xml, const char* name, std::span<const T> items) {
-  xml.start(name);
-  for (std::size_t at = 0; at < items.size(); at += kMaxBlockItems) {
-    const PackedBlock block = pack_block(items.subspan(at, std::min(kMaxBlockItems, items.size() - at)));
-    xml.start("block").attribute("bytes", block.bytes).attribute("stored", block.stored);
-    xml.plain_text(block.text).end();
-  }
-  xml.end();
-}
 
 void write_packed(XmlWriter& xml, const SegmentRows& rows) {
   std::vector<std::uint32_t> counts(rows.rows());
@@ -89,7 +80,9 @@ class XmlSink final : public LayerSink {
     info_ = info;
     file_.emplace(path_);
     xml_.emplace(file_->stream());
-    xml_->start("slices").attribute("xmlns", kNamespace).attribute("version", kVersion);
+    xml_->start("slices")
+        .attribute("xmlns", kNamespace)
+        .attribute("version", is_graded(info) ? kGradedVersion : kVersion);
     write_header(*xml_, info);
     file_->check();
   }
@@ -132,6 +125,13 @@ class XmlSink final : public LayerSink {
     } else {
       write_packed(*xml_, rows);
     }
+    if (rows.mixtures.x.size() > static_cast<std::size_t>(kMaxKnots) ||
+        rows.mixtures.fraction.size() > static_cast<std::size_t>(kMaxFractions)) {
+      throw ExportError("a layer of XML slices holds at most " + std::to_string(kMaxKnots) + " knots and " +
+                            std::to_string(kMaxFractions) + " fractions of graded segments",
+                        path_.string());
+    }
+    write_mixtures(*xml_, rows.mixtures, payload_ == XmlPayload::text);
   }
 
   std::filesystem::path path_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,10 +14,16 @@ namespace lamella {
 /// Largest density in g/cm^3 that is believed; osmium, the densest element, has 22.6.
 inline constexpr double kMaxDensity = 100.0;
 
+class FieldSource;
+
 struct Material {
   std::string name;
   std::optional<double> density;  ///< g/cm^3
   Color color{0.5, 0.5, 0.5};
+  std::vector<MaterialId> components = {};  ///< what a graded material is mixed of, none of them graded; else empty
+  std::shared_ptr<const FieldSource> field = nullptr;  ///< how, of a graded one; none in a build that was read
+
+  [[nodiscard]] bool is_graded() const { return !components.empty(); }
 };
 
 /// Which material a solid has, how it ranks where solids overlap, and which rule said so.

@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "materials/color.h"
 #include "materials/glob.h"
+#include "materials/read_graded.h"
 #include "materials/rule_fields.h"
 
 namespace lamella {
@@ -28,11 +29,13 @@ LibraryReader::LibraryReader(MaterialRules& rules, const std::filesystem::path& 
     : rules_(rules), open_{resolved(file)} {}
 
 void LibraryReader::read(const XmlElement& library) {
-  library.allow_only({}, {"include", "material"});
+  library.allow_only({}, {"include", "material", "graded"});
   refuse_text(library);
   for (const XmlElement& element : library.children()) {
     if (element.name() == "include") {
       read_include(element);
+    } else if (element.name() == "graded") {
+      read_graded_material(element);
     } else {
       read_material(element);
     }
@@ -66,6 +69,16 @@ void LibraryReader::read_material(const XmlElement& element) {
   element.allow_only({"name", "density", "color", "priority"}, {"match"});
   refuse_text(element);
   Material material;
+  if (element.has("density")) material.density = read_density(element);
+  add_material(element, std::move(material));
+}
+
+void LibraryReader::read_graded_material(const XmlElement& element) {
+  add_material(element, read_graded(element, rules_.library, open_.back().parent_path()));
+}
+
+/// Adds what the element says of every kind of material.
+void LibraryReader::add_material(const XmlElement& element, Material material) {
   material.name = read_name(element, "name");
   const auto [first, added] = places_.emplace(material.name, element.where());
   if (!added) {
@@ -73,7 +86,6 @@ void LibraryReader::read_material(const XmlElement& element) {
                      "the first is at " + first->second);
   }
   const std::size_t index = rules_.library.size();
-  if (element.has("density")) material.density = read_density(element);
   material.color = element.has("color") ? read_color(element) : distinct_color(index);
   rules_.priorities.push_back(read_priority(element, 0));
   rules_.library.push_back(std::move(material));

@@ -25,6 +25,8 @@ class LibraryReader {
  private:
   void read_include(const XmlElement& element);
   void read_material(const XmlElement& element);
+  void read_graded_material(const XmlElement& element);
+  void add_material(const XmlElement& element, Material material);
   void read_match(const XmlElement& element, std::size_t material);
   void match_own_name(const XmlElement& element, std::size_t material);
 

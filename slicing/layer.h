@@ -19,10 +19,34 @@ struct Segment {
   bool operator==(const Segment&) const = default;
 };
 
+/// What graded segments consist of: volume fractions of their material's components at knots along the row, straight
+/// between knots, constant before a segment's first and behind its last. In compressed form: graded segment g is
+/// number segment[g] of the rows, has knots [knot_start[g], knot_start[g + 1]) and from fraction[fraction_start[g]] on
+/// the fractions of its first knot, then of its second, and so on, in the order of Material::components.
+struct Mixtures {
+  std::vector<std::uint64_t> segment;  ///< ascending
+  std::vector<std::uint64_t> knot_start{0};
+  std::vector<double> x;  ///< mm along the row; ascending in a segment, within it
+  std::vector<std::uint64_t> fraction_start{0};
+  std::vector<float> fraction;  ///< in [0, 1]; those of a knot have the sum 1 to rounding
+
+  [[nodiscard]] bool empty() const { return segment.empty(); }
+  [[nodiscard]] std::span<const double> knots(std::size_t g) const {
+    return {x.data() + knot_start[g], x.data() + knot_start[g + 1]};
+  }
+  /// Knot after knot.
+  [[nodiscard]] std::span<const float> fractions(std::size_t g) const {
+    return {fraction.data() + fraction_start[g], fraction.data() + fraction_start[g + 1]};
+  }
+  void clear() { *this = {}; }
+  bool operator==(const Mixtures&) const = default;
+};
+
 /// Rows of segments in compressed form: row r holds segments [row_start[r], row_start[r + 1]), disjoint and ascending.
 struct SegmentRows {
   std::vector<std::uint64_t> row_start{0};
   std::vector<Segment> segments;
+  Mixtures mixtures;  ///< of the segments whose material is graded
 
   [[nodiscard]] std::size_t rows() const { return row_start.size() - 1; }
   [[nodiscard]] std::span<const Segment> row(std::size_t r) const {

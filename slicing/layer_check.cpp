@@ -1,5 +1,6 @@
 #include "slicing/layer_check.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace lamella {
@@ -19,6 +20,31 @@ std::optional<std::string> find_row_fault(std::span<const Segment> row, const La
   return std::nullopt;
 }
 
+/// Fractions are kept as floats.
+constexpr double kSumSlack = 1e-5;
+
+/// Knots and fractions of one graded segment.
+std::optional<std::string> find_mixture_fault(std::span<const double> x, std::span<const float> fractions,
+                                              const Segment& segment) {
+  const std::size_t components = fractions.size() / x.size();
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    if (!(segment.x_begin <= x[k] && x[k] <= segment.x_end)) return "a knot lies beyond its segment";
+    if (k > 0 && !(x[k - 1] < x[k])) return "knots are out of order";
+    double sum = 0.0;
+    for (const float fraction : fractions.subspan(k * components, components)) {
+      if (!(fraction >= 0.0F && fraction <= 1.0F)) return "a fraction is out of range";
+      sum += fraction;
+    }
+    if (!(std::abs(sum - 1.0) <= kSumSlack)) return "fractions don't add up to 1";
+  }
+  return std::nullopt;
+}
+
+bool is_start_list(const std::vector<std::uint64_t>& starts, std::size_t count, std::size_t end) {
+  return starts.size() == count + 1 && starts.front() == 0 && starts.back() == end &&
+         std::is_sorted(starts.begin(), starts.end());
+}
+
 std::optional<std::string> find_rows_fault(const SegmentRows& rows, const LayerLimits& limits) {
   if (rows.row_start.empty() || rows.row_start.front() != 0) return "row_start does not begin with 0";
   for (std::size_t r = 0; r < rows.rows(); ++r) {
@@ -28,10 +54,40 @@ std::optional<std::string> find_rows_fault(const SegmentRows& rows, const LayerL
   for (std::size_t r = 0; r < rows.rows(); ++r) {
     if (auto fault = find_row_fault(rows.row(r), limits)) return *fault + " in row " + std::to_string(r);
   }
-  return std::nullopt;
+  return lamella::find_mixtures_fault(rows, limits);
 }
 
 }  // namespace
+
+LayerLimits make_layer_limits(std::int64_t rows, const IdVector<MaterialId, Material>& materials, std::size_t solids) {
+  LayerLimits limits{static_cast<std::size_t>(rows), materials.size(), solids, {}};
+  for (const Material& material : materials) limits.components.push_back(material.components.size());
+  return limits;
+}
+
+std::optional<std::string> find_mixtures_fault(const SegmentRows& rows, const LayerLimits& limits) {
+  const Mixtures& mixtures = rows.mixtures;
+  const std::size_t count = mixtures.segment.size();
+  if (!is_start_list(mixtures.knot_start, count, mixtures.x.size()) ||
+      !is_start_list(mixtures.fraction_start, count, mixtures.fraction.size())) {
+    return "the knots of graded segments aren't in order";
+  }
+  std::size_t g = 0;
+  for (std::size_t i = 0; i < rows.segments.size(); ++i) {
+    const Segment& segment = rows.segments[i];
+    const std::size_t components = limits.components.empty() ? 0 : limits.components[segment.material.value()];
+    if (components == 0) continue;
+    if (g == count || mixtures.segment[g] != i) return "a graded segment has no fractions";
+    const auto x = mixtures.knots(g);
+    if (x.empty() || mixtures.fractions(g).size() != x.size() * components) {
+      return "a graded segment has a wrong number of fractions";
+    }
+    if (auto fault = find_mixture_fault(x, mixtures.fractions(g), segment)) return fault;
+    ++g;
+  }
+  if (g != count) return "fractions of a segment that isn't graded";
+  return std::nullopt;
+}
 
 std::optional<std::string> find_layer_fault(const Layer& layer, const LayerLimits& limits) {
   if (!(layer.z_bottom < layer.z_sample) || !(layer.z_sample < layer.z_top)) return "its heights do not ascend";

@@ -45,13 +45,14 @@ void begin_layer(const LayerPlan& plan, std::size_t index, const LayerRequest& r
 
 LayerCutter::LayerCutter(const SlabFunction& engine, const Scene& scene, const MaterialTable& table,
                          const IdVector<SolidId, SolidMeasure>& measures, const LayerPlan& plan,
-                         std::vector<SolidId> solids, const Interfaces& interfaces)
+                         std::vector<SolidId> solids, const Interfaces& interfaces, const Mixer& mixer)
     : engine_(engine),
       measures_(measures),
       plan_(plan),
       interfaces_(interfaces),
+      mixer_(mixer),
       solids_(std::move(solids)),
-      limits_{static_cast<std::size_t>(plan.grid.size[1]), table.materials.size(), scene.solids.size()},
+      limits_(make_layer_limits(plan.grid.size[1], table.materials, scene.solids.size())),
       depth_sampling_(plan, measures) {
   rules_.table = &table;
   rules_.rank = interfaces.rank();
@@ -101,6 +102,7 @@ LayerRequest LayerCutter::request_of(std::size_t layer) const {
 void LayerCutter::cut(std::size_t first_layer, std::span<CutLayer> out, Workspace& workspace) const {
   workspace.requests.clear();
   for (std::size_t i = 0; i < out.size(); ++i) workspace.requests.push_back(request_of(first_layer + i));
+  if (!workspace.mixing) workspace.mixing.emplace(mixer_);
   make_layer_spans(workspace.requests, workspace.spans);
   engine_(workspace.requests, workspace.spans);
   for (std::size_t i = 0; i < out.size(); ++i) {
@@ -149,11 +151,15 @@ void LayerCutter::combine(const LayerRequest& request, const LayerSpans& spans, 
           if (is_taken) workspace.deepest.add(overlap, r);
         }
       });
+  out.mixing = {};
+  mixer_.mix(request.z, raster, out.layer.raster, *workspace.mixing, out.mixing);
   workspace.sums.write(out.lengths);
+  add_component_lengths(out.layer.raster, rules_.table->materials, out.lengths.materials);
   workspace.deepest.measure(interfaces_.distances(), request.z, raster, spans.lattices[0], out.lengths.depths);
   if (plan_.hatch) {
     combine_rows(request.z, request.lattices[1], spans.lattices[1], workspace, out.layer.hatch->rows,
                  [](std::size_t, std::span<const Span>, std::span<const Segment>, std::span<const GapFill>) {});
+    mixer_.mix(request.z, request.lattices[1], out.layer.hatch->rows, *workspace.mixing, out.mixing);
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "slicing/layer_check.h"
 #include "slicing/layer_lengths.h"
 #include "slicing/layer_plan.h"
+#include "slicing/mixer.h"
 #include "slicing/slab.h"
 
 namespace lamella {
@@ -21,6 +23,7 @@ struct CutLayer {
   CastCounters cast;
   std::vector<FailedCheck> failed;
   LayerLengths lengths;
+  MixFaults mixing;  ///< both lattices
 };
 
 /// Cuts slabs of layers: asks the engine for spans and combines the spans of every row into segments.
@@ -35,12 +38,13 @@ class LayerCutter {
     std::vector<GapFill> fills;
     std::vector<Span> filled_row;
     DeepestOverlaps deepest;
+    std::optional<Mixer::Workspace> mixing;
   };
 
   /// `solids` are those to cut, all with finite bounds; everything referred to must outlive the cutter.
   LayerCutter(const SlabFunction& engine, const Scene& scene, const MaterialTable& table,
               const IdVector<SolidId, SolidMeasure>& measures, const LayerPlan& plan, std::vector<SolidId> solids,
-              const Interfaces& interfaces);
+              const Interfaces& interfaces, const Mixer& mixer);
 
   /// Cuts layers [first_layer, first_layer + out.size()). Safe to call from several threads at once; the result depends
   /// on the layers alone. `out` is overwritten and its memory used again. Throws GeometryError when a layer comes out
@@ -59,6 +63,7 @@ class LayerCutter {
   const IdVector<SolidId, SolidMeasure>& measures_;
   const LayerPlan& plan_;
   const Interfaces& interfaces_;
+  const Mixer& mixer_;
   std::vector<SolidId> solids_;
   CombineRules rules_;
   LayerLimits limits_;

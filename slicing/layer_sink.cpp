@@ -1,8 +1,13 @@
 #include "slicing/layer_sink.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace lamella {
+
+bool is_graded(const BuildInfo& info) {
+  return std::any_of(info.materials.begin(), info.materials.end(), [](const Material& m) { return m.is_graded(); });
+}
 
 std::function<void()> LayerSink::prepare(const Layer& layer) {
   return [this, &layer] { write(layer); };

@@ -31,6 +31,9 @@ struct BuildInfo {
   LayerPlan plan;
 };
 
+/// Whether the build has graded materials.
+[[nodiscard]] bool is_graded(const BuildInfo& info);
+
 /// Takes the layers of one build in increasing z: begin, write once per layer, finish.
 /// A replay of a range of layers writes fewer than the plan holds; `Layer::index` keeps its place in the plan.
 /// An implementation writes to temporary names and renames in finish(); destroyed without finish() it leaves nothing.

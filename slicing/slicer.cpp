@@ -12,6 +12,7 @@
 #include "core/parallel.h"
 #include "slicing/interface_policy.h"
 #include "slicing/layer_cutter.h"
+#include "slicing/mixer.h"
 #include "slicing/tally.h"
 
 namespace lamella {
@@ -36,6 +37,12 @@ struct Slab {
   std::vector<CutLayer> layers;
   std::vector<std::function<void()>> writes;
 };
+
+Box3 bounds_of(const IdVector<SolidId, SolidMeasure>& measures, const std::vector<SolidId>& solids) {
+  Box3 bounds;
+  for (const SolidId solid : solids) bounds.extend(measures[solid].bounds);
+  return bounds;
+}
 
 /// Workspaces for as many slabs as are being cut at once.
 class WorkspacePool {
@@ -140,10 +147,12 @@ SliceReport slice_with(const SlabEngine& engine, const Scene& scene, const Mater
   progress.throw_if_cancelled();
   const std::vector<SolidId> solids = choose_solids(scene, measures, options.allow_open);
   check_policy(table, plan);
+  const Compositions compositions(scene, table);
+  const Mixer mixer(compositions, bounds_of(measures, solids));
   const double reach = plan.grid.pitch.head<2>().maxCoeff();
   const Interfaces interfaces(scene, table, measures, solids, {options.gap_tolerance, reach, options.threads},
                               progress);
-  const LayerCutter cutter(engine.cut, scene, table, measures, plan, solids, interfaces);
+  const LayerCutter cutter(engine.cut, scene, table, measures, plan, solids, interfaces, mixer);
   Tally tally(scene, table, measures, plan, solids, interfaces.contacts());
   try {
     sink.begin(make_build_info(scene, table, measures, plan));

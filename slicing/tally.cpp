@@ -61,6 +61,7 @@ Tally::Tally(const Scene& scene, const MaterialTable& table, const IdVector<Soli
 void Tally::add(const CutLayer& cut) {
   report_.cast += cut.cast;
   for (const FailedCheck& failed : cut.failed) failed_.add(failed, cut.layer.index, cut.layer.z_sample);
+  mixing_ += cut.mixing;
   if (table_.policy == OverlapPolicy::error) refuse_overlaps(cut);
   const double area = plan_.grid.pitch.y() * (cut.layer.z_top - cut.layer.z_bottom);
   report_.segments += cut.layer.raster.segments.size();
@@ -177,6 +178,25 @@ void Tally::report_casts() {
   note(report_.cast.uncertain_hits, " hits are uncertain within the file's own tolerances");
 }
 
+void Tally::report_mixing() {
+  const auto warn_of = [&](std::string what, const char* hint) {
+    Finding finding;
+    finding.what = std::move(what);
+    finding.hint = hint;
+    report_.findings.push_back(std::move(finding));
+  };
+  if (mixing_.repaired > 0) {
+    warn_of("the fractions of graded materials were no fractions at " + std::to_string(mixing_.repaired) + " of " +
+                std::to_string(mixing_.samples) + " points, by up to " + format_double(mixing_.largest_repair) +
+                "; they were clamped to 0 or more and scaled to the sum 1",
+            "mend the formulas or grids in the materials file");
+  }
+  if (mixing_.unresolved > 0) {
+    warn_of(std::to_string(mixing_.unresolved) + " graded segments change too often for their knots",
+            "their fractions may be off by more than 0.001; smooth the field");
+  }
+}
+
 SliceReport Tally::finish() {
   for (const SolidId solid : scene_.solids.ids()) judge_solid(solid);
   for (const MaterialId material : table_.materials.ids()) {
@@ -187,6 +207,7 @@ SliceReport Tally::finish() {
   report_contacts();
   report_overlaps();
   report_casts();
+  report_mixing();
   return std::move(report_);
 }
 

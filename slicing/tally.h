@@ -39,6 +39,7 @@ class Tally {
   void report_overlaps();
   void report_contacts();
   void report_casts();
+  void report_mixing();
   void warn(SolidId solid, std::string what, std::string hint);
   [[nodiscard]] bool is_ambiguous(SolidId a, SolidId b) const;
 
@@ -54,6 +55,7 @@ class Tally {
   Pairs overlaps_;
   Pairs gaps_;
   FailedChecks failed_;
+  MixFaults mixing_;
 };
 
 }  // namespace lamella

@@ -15,6 +15,7 @@
 #include "core/utf8.h"
 #include "export/build_check.h"
 #include "export/file_name.h"
+#include "export/mixed_row.h"
 #include "export/output_file.h"
 #include "export/vdb/slab.h"
 
@@ -87,6 +88,8 @@ class GridBuilder {
     leaf->setValueMask(active);
   }
 
+  void set(const openvdb::Coord& voxel, Value value) { accessor_.setValueOn(voxel, value); }
+
   [[nodiscard]] const typename GridT::Ptr& grid() const { return grid_; }
 
  private:
@@ -126,6 +129,18 @@ class GridSet {
     for (auto label = distinct.begin(); label != end; ++label) {
       if (*label == 0) continue;
       masks_[*label - 1].add_leaf(corner, labels, [&](std::uint32_t l) { return l == *label ? 1.0f : 0.0f; });
+    }
+  }
+
+  /// Sets the fractions of graded voxels; the leaves that they lie in must have been added.
+  void add_fractions(const openvdb::Coord& first, const MixedRun& run) {
+    const auto count = static_cast<std::size_t>(run.pixels.end - run.pixels.begin);
+    for (std::size_t c = 0; c < run.materials.size(); ++c) {
+      FloatBuilder& mask = masks_[run.materials[c].value()];
+      for (std::size_t n = 0; n < count; ++n) {
+        const float fraction = run.fractions[c * count + n];
+        if (fraction > 0.0F) mask.set(first.offsetBy(static_cast<int>(n), 0, 0), fraction);
+      }
     }
   }
 
@@ -240,6 +255,7 @@ class VdbSink final : public LayerSink {
     const std::int64_t slab = layer.index / kLeafSide;
     if (slab != slab_->index()) flush(slab);
     slab_->add(layer);
+    if (!layer.raster.mixtures.empty()) mixed_.push_back(layer);
     add_to_digest(layer);
   }
 
@@ -268,13 +284,32 @@ class VdbSink final : public LayerSink {
     };
     slab_->visit({[&](auto i, auto j, std::uint32_t label) { grids_->add_uniform(corner(i, j), label); },
                   [&](auto i, auto j, const LeafLabels& labels) { grids_->add_mixed(corner(i, j), labels); }});
+    add_mixed_layers();
     slab_->reset(next);
+  }
+
+  /// Fractions go over the leaves that the slab's labels made.
+  void add_mixed_layers() {
+    MixedRowReader reader(info_);
+    for (const Layer& layer : mixed_) {
+      for (std::size_t row = 0; row < layer.raster.rows(); ++row) {
+        reader.read(layer, row, [&](const MixedRun& run) {
+          if (run.materials.size() < 2) return;
+          const openvdb::Coord first(static_cast<int>(run.pixels.begin), static_cast<int>(row),
+                                     static_cast<int>(layer.index));
+          grids_->add_fractions(first, run);
+        });
+      }
+    }
+    mixed_.clear();
   }
 
   void add_to_digest(const Layer& layer) {
     digest_.update(std::as_bytes(std::span(&layer.index, 1)));
     digest_.update(std::as_bytes(std::span(layer.raster.row_start)));
     digest_.update(std::as_bytes(std::span(layer.raster.segments)));
+    digest_.update(std::as_bytes(std::span(layer.raster.mixtures.x)));
+    digest_.update(std::as_bytes(std::span(layer.raster.mixtures.fraction)));
   }
 
   std::filesystem::path path_;
@@ -283,6 +318,7 @@ class VdbSink final : public LayerSink {
   std::optional<OutputFile> file_;
   std::optional<GridSet> grids_;
   std::optional<Slab> slab_;
+  std::vector<Layer> mixed_;  ///< of the slab, those with graded segments
   std::optional<std::uint32_t> last_;
   Sha256 digest_;
 };

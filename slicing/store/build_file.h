@@ -11,13 +11,22 @@
 
 namespace lamella {
 
+/// How many of each a lattice's rows have.
+struct MixtureEntry {
+  std::uint64_t segments = 0;
+  std::uint64_t knots = 0;
+  std::uint64_t fractions = 0;
+};
+
 /// Where one layer is in the store and what it must look like.
 struct LayerEntry {
   std::uint64_t segments = 0;
   bool has_hatch = false;
   std::uint64_t hatch_rows = 0;
   std::uint64_t hatch_segments = 0;
-  std::string sha256;  ///< digest_of() the layer
+  MixtureEntry mixtures;        ///< of the raster
+  MixtureEntry hatch_mixtures;  ///< of the hatch
+  std::string sha256;           ///< digest_of() the layer
 };
 
 /// One file layers/NNNNNN.h5.

@@ -12,6 +12,15 @@
 namespace lamella {
 
 inline constexpr std::array<std::string_view, 5> kPolicyWords{"priority", "error", "entry", "exit", "average"};
+/// Of build.xml; a build without graded materials is what it was before there were any.
+inline constexpr std::string_view kPlainVersion = "1";
+inline constexpr std::string_view kGradedVersion = "1.1";
+
+/// Numbers of graded segments, knots and fractions of a layer's lattices.
+inline constexpr std::array<const char*, 3> kMixtureNames{"graded_segments", "knots", "fractions"};
+inline constexpr std::array<const char*, 3> kHatchMixtureNames{"hatch_graded_segments", "hatch_knots",
+                                                               "hatch_fractions"};
+
 inline constexpr std::array<std::string_view, 3> kSeverityWords{"note", "warning", "error"};
 
 [[nodiscard]] inline std::string_view name_of(OverlapPolicy policy) {

@@ -37,6 +37,15 @@ void put_rows(DigestStream& stream, const SegmentRows& rows) {
   stream.put(std::span(rows.segments));
 }
 
+void put_mixtures(DigestStream& stream, const Mixtures& mixtures) {
+  stream.put(static_cast<std::uint64_t>(mixtures.segment.size()));
+  stream.put(std::span(mixtures.segment));
+  stream.put(std::span(mixtures.knot_start));
+  stream.put(std::span(mixtures.x));
+  stream.put(std::span(mixtures.fraction_start));
+  stream.put(std::span(mixtures.fraction));
+}
+
 }  // namespace
 
 std::string digest_of(const Layer& layer) {
@@ -52,6 +61,12 @@ std::string digest_of(const Layer& layer) {
     stream.put(layer.hatch->spacing);
     stream.put(static_cast<std::uint64_t>(layer.hatch->first_row));
     put_rows(stream, layer.hatch->rows);
+  }
+  // A layer without graded segments has the digest that it had before there were any.
+  const bool has_mixtures = !layer.raster.mixtures.empty() || (layer.hatch && !layer.hatch->rows.mixtures.empty());
+  if (has_mixtures) {
+    put_mixtures(stream, layer.raster.mixtures);
+    put_mixtures(stream, layer.hatch ? layer.hatch->rows.mixtures : Mixtures());
   }
   return stream.finish();
 }

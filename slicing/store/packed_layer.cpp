@@ -134,10 +134,27 @@ class Packer {
     column("x_end", ElementType::f64, "mm", [](const Segment& segment) { return segment.x_end; });
     column("material", ElementType::u32, "1", [](const Segment& segment) { return segment.material.value(); });
     column("solid", ElementType::u32, "1", [](const Segment& segment) { return segment.solid.value(); });
+    if (!rows.mixtures.empty()) pack(rows.mixtures, packed);
     return packed;
   }
 
  private:
+  void pack(const Mixtures& mixtures, PackedRows& packed) {
+    const auto whole = [&]<class T>(const char* name, ElementType type, const char* unit,
+                                    const std::vector<T>& values) {
+      using Bits = std::conditional_t<sizeof(T) == 8, std::uint64_t, std::uint32_t>;
+      start<Bits>(values.size());
+      std::transform(values.begin(), values.end(), elements<Bits>().begin(),
+                     [](const T& value) { return std::bit_cast<Bits>(value); });
+      packed.push_back(finish<Bits>(name, type, unit));
+    };
+    whole("graded_segment", ElementType::u64, "1", mixtures.segment);
+    whole("knot_start", ElementType::u64, "1", mixtures.knot_start);
+    whole("knot_x", ElementType::f64, "mm", mixtures.x);
+    whole("fraction_start", ElementType::u64, "1", mixtures.fraction_start);
+    whole("fraction", ElementType::f32, "1", mixtures.fraction);
+  }
+
   template <class T>
   std::vector<T>& elements() {
     if constexpr (sizeof(T) == 8) {

@@ -15,7 +15,7 @@ inline constexpr std::size_t kCompactBytes = 1024;
 /// Longer ones come in chunks of at most this many elements.
 inline constexpr std::size_t kChunkElements = std::size_t{1} << 17;
 
-enum class ElementType { u32, u64, f64 };
+enum class ElementType { u32, u64, f32, f64 };
 
 /// One array as its bytes will lie in a shard.
 struct PackedArray {

@@ -68,10 +68,29 @@ void read_sources(const XmlElement& parent, BuildInfo& info) {
   }
 }
 
+std::vector<MaterialId> read_components(const XmlElement& element) {
+  std::vector<MaterialId> components;
+  for (const XmlElement& child : element.children()) {
+    child.allow_only({"id"}, {});
+    components.emplace_back(count(child, "id", std::numeric_limits<std::int32_t>::max()));
+  }
+  return components;
+}
+
+/// Components are plain materials of the build.
+void check_components(const XmlElement& parent, const BuildInfo& info) {
+  for (const Material& material : info.materials) {
+    for (const MaterialId component : material.components) {
+      const bool is_plain = component.value() < info.materials.size() && !info.materials[component].is_graded();
+      if (!is_plain) refuse(parent, "'" + material.name + "' is mixed of something that is no plain material");
+    }
+  }
+}
+
 void read_materials(const XmlElement& parent, BuildInfo& info) {
   parent.allow_only({}, {"material"});
   for (const XmlElement& element : parent.children()) {
-    element.allow_only({"id", "name", "density", "red", "green", "blue"}, {});
+    element.allow_only({"id", "name", "density", "red", "green", "blue"}, {"component"});
     check_id(element, info.materials.size());
     Material material;
     material.name = element.attribute("name");
@@ -80,8 +99,10 @@ void read_materials(const XmlElement& parent, BuildInfo& info) {
     const bool is_color = std::all_of(material.color.begin(), material.color.end(),
                                       [](double part) { return part >= 0.0 && part <= 1.0; });
     if (!is_color) refuse(element, "red, green and blue must lie in [0, 1]");
+    material.components = read_components(element);
     info.materials.push_back(std::move(material));
   }
+  check_components(parent, info);
 }
 
 Box3 read_bounds(const XmlElement& element) {
@@ -138,9 +159,16 @@ void read_plan(const XmlElement& parent, BuildInfo& info) {
   }
 }
 
+MixtureEntry read_mixtures(const XmlElement& element, const std::array<const char*, 3>& names) {
+  if (!element.has(names[0])) return {};
+  return {count(element, names[0]), count(element, names[1]), count(element, names[2])};
+}
+
 void read_layer(const XmlElement& element, BuildFile& build) {
-  element.allow_only({"index", "z_bottom", "z_sample", "z_top", "segments", "hatch_rows", "hatch_segments", "sha256"},
-                     {});
+  element.allow_only(
+      {"index", "z_bottom", "z_sample", "z_top", "segments", "hatch_rows", "hatch_segments", "sha256", kMixtureNames[0],
+       kMixtureNames[1], kMixtureNames[2], kHatchMixtureNames[0], kHatchMixtureNames[1], kHatchMixtureNames[2]},
+      {});
   if (count(element, "index") != build.layers.size()) refuse(element, "layers must count up from 0");
   const LayerSpan span{element.number("z_bottom"), element.number("z_sample"), element.number("z_top")};
   const bool is_contiguous = build.layers.empty() || build.info.plan.layers.back().z_top == span.z_bottom;
@@ -156,6 +184,8 @@ void read_layer(const XmlElement& element, BuildFile& build) {
   }
   if (entry.has_hatch != element.has("hatch_segments") || entry.has_hatch != build.info.plan.hatch.has_value())
     refuse(element, "hatch rows disagree with the plan");
+  entry.mixtures = read_mixtures(element, kMixtureNames);
+  if (entry.has_hatch) entry.hatch_mixtures = read_mixtures(element, kHatchMixtureNames);
   entry.sha256 = digest(element);
   build.info.plan.layers.push_back(span);
   build.layers.push_back(std::move(entry));
@@ -286,7 +316,9 @@ void read_report(const XmlElement& parent, BuildFile& build) {
 void check_header(const XmlElement& root) {
   root.allow_only({"version", "complete", "length_unit", "angle_unit", "mass_unit"},
                   {"sources", "materials", "solids", "plan", "layers", "report"});
-  if (root.attribute_or("xmlns", "") != kBuildNamespace || root.attribute("version") != "1") {
+  const std::string version = root.attribute("version");
+  const bool is_known = version == kPlainVersion || version == kGradedVersion;
+  if (root.attribute_or("xmlns", "") != kBuildNamespace || !is_known) {
     refuse(root, "this is not version 1 of the build format", "read it with the version of Lamella that wrote it");
   }
   if (!flag(root, "complete")) refuse(root, "the build is unfinished", "slice again to complete it");

@@ -94,7 +94,18 @@ std::vector<T> read_array(const Place& group, const char* name, hid_t type, std:
   return values;
 }
 
-SegmentRows read_rows(const Place& group, std::uint64_t rows, std::uint64_t segments, double byte_limit) {
+void read_mixtures(const Place& group, const MixtureEntry& entry, double byte_limit, Mixtures& out) {
+  if (entry.segments == 0) return;
+  const std::uint64_t count = entry.segments;
+  out.segment = read_array<std::uint64_t>(group, "graded_segment", H5T_STD_U64LE, count, byte_limit);
+  out.knot_start = read_array<std::uint64_t>(group, "knot_start", H5T_STD_U64LE, count + 1, byte_limit);
+  out.x = read_array<double>(group, "knot_x", H5T_IEEE_F64LE, entry.knots, byte_limit);
+  out.fraction_start = read_array<std::uint64_t>(group, "fraction_start", H5T_STD_U64LE, count + 1, byte_limit);
+  out.fraction = read_array<float>(group, "fraction", H5T_IEEE_F32LE, entry.fractions, byte_limit);
+}
+
+SegmentRows read_rows(const Place& group, std::uint64_t rows, std::uint64_t segments, const MixtureEntry& mixtures,
+                      double byte_limit) {
   SegmentRows out;
   out.row_start = read_array<std::uint64_t>(group, "row_start", H5T_STD_U64LE, rows + 1, byte_limit);
   const auto begin = read_array<double>(group, "x_begin", H5T_IEEE_F64LE, segments, byte_limit);
@@ -105,6 +116,7 @@ SegmentRows read_rows(const Place& group, std::uint64_t rows, std::uint64_t segm
   for (std::size_t i = 0; i < segments; ++i) {
     out.segments.push_back({begin[i], end[i], MaterialId{material[i]}, SolidId{solid[i]}});
   }
+  read_mixtures(group, mixtures, byte_limit, out.mixtures);
   return out;
 }
 
@@ -129,7 +141,7 @@ HatchRows read_hatch(const Place& layer, const LayerEntry& entry, double byte_li
   hatch.angle = read_attribute<double>(place, "angle", H5T_IEEE_F64LE);
   hatch.spacing = read_attribute<double>(place, "spacing", H5T_IEEE_F64LE);
   hatch.first_row = read_attribute<std::int64_t>(place, "first_row", H5T_STD_I64LE);
-  hatch.rows = read_rows(place, entry.hatch_rows, entry.hatch_segments, byte_limit);
+  hatch.rows = read_rows(place, entry.hatch_rows, entry.hatch_segments, entry.hatch_mixtures, byte_limit);
   return hatch;
 }
 
@@ -161,7 +173,7 @@ Layer ShardReader::read(std::size_t index, const LayerSpan& span, const LayerEnt
   layer.z_sample = span.z_sample;
   layer.z_top = span.z_top;
   const hdf5::Group raster = open_group(place, "raster");
-  layer.raster = read_rows({raster.id(), place.where + "/raster"}, rows, entry.segments, byte_limit);
+  layer.raster = read_rows({raster.id(), place.where + "/raster"}, rows, entry.segments, entry.mixtures, byte_limit);
   if (entry.has_hatch) layer.hatch = read_hatch(place, entry, byte_limit);
   return layer;
 }

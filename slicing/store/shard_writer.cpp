@@ -110,6 +110,8 @@ hid_t type_of(const PackedArray& array) {
       return H5T_STD_U32LE;
     case ElementType::u64:
       return H5T_STD_U64LE;
+    case ElementType::f32:
+      return H5T_IEEE_F32LE;
     case ElementType::f64:
       break;
   }

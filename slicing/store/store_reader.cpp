@@ -48,7 +48,7 @@ StoreReader::StoreReader(fs::path build) : data_(std::make_unique<Data>()) {
   data_->build = open_build(build);
   data_->folder = std::move(build);
   const BuildInfo& info = data_->build.info;
-  data_->limits = {static_cast<std::size_t>(info.plan.grid.size[1]), info.materials.size(), info.solids.size()};
+  data_->limits = make_layer_limits(info.plan.grid.size[1], info.materials, info.solids.size());
 }
 
 StoreReader::~StoreReader() = default;

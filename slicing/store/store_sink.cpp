@@ -68,13 +68,19 @@ class StoreSink final : public LayerSink {
   }
 
  private:
+  static MixtureEntry describe(const Mixtures& mixtures) {
+    return {mixtures.segment.size(), mixtures.x.size(), mixtures.fraction.size()};
+  }
+
   static LayerEntry describe(const Layer& layer) {
     LayerEntry entry;
     entry.segments = layer.raster.segments.size();
+    entry.mixtures = describe(layer.raster.mixtures);
     entry.has_hatch = layer.hatch.has_value();
     if (layer.hatch) {
       entry.hatch_rows = layer.hatch->rows.rows();
       entry.hatch_segments = layer.hatch->rows.segments.size();
+      entry.hatch_mixtures = describe(layer.hatch->rows.mixtures);
     }
     entry.sha256 = digest_of(layer);
     return entry;

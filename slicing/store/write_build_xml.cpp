@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <sstream>
 #include <utility>
@@ -37,7 +38,10 @@ void write_materials(XmlWriter& xml, const BuildInfo& info) {
     xml.start("material").attribute("id", id.value()).attribute("name", material.name);
     if (material.density) xml.attribute("density", *material.density);
     xml.attribute("red", material.color[0]).attribute("green", material.color[1]);
-    xml.attribute("blue", material.color[2]).end();
+    xml.attribute("blue", material.color[2]);
+    for (const MaterialId component : material.components)
+      xml.start("component").attribute("id", component.value()).end();
+    xml.end();
   }
   xml.end();
 }
@@ -69,12 +73,19 @@ void write_plan(XmlWriter& xml, const BuildInfo& info) {
   xml.end();
 }
 
+void write_mixtures(XmlWriter& xml, const std::array<const char*, 3>& names, const MixtureEntry& entry) {
+  if (entry.segments == 0) return;
+  xml.attribute(names[0], entry.segments).attribute(names[1], entry.knots).attribute(names[2], entry.fractions);
+}
+
 void write_layer(XmlWriter& xml, std::size_t index, const LayerSpan& span, const LayerEntry& entry) {
   xml.start("layer").attribute("index", index).attribute("z_bottom", span.z_bottom);
   xml.attribute("z_sample", span.z_sample).attribute("z_top", span.z_top).attribute("segments", entry.segments);
   if (entry.has_hatch) {
     xml.attribute("hatch_rows", entry.hatch_rows).attribute("hatch_segments", entry.hatch_segments);
   }
+  write_mixtures(xml, kMixtureNames, entry.mixtures);
+  write_mixtures(xml, kHatchMixtureNames, entry.hatch_mixtures);
   xml.attribute("sha256", entry.sha256).end();
 }
 
@@ -160,7 +171,7 @@ std::string write_build_xml(const BuildFile& build, bool is_complete) {
   XmlWriter xml(text);
   xml.start("build")
       .attribute("xmlns", kBuildNamespace)
-      .attribute("version", 1)
+      .attribute("version", is_graded(build.info) ? kGradedVersion : kPlainVersion)
       .attribute("complete", word_for(is_complete));
   xml.attribute("length_unit", "mm").attribute("angle_unit", "rad").attribute("mass_unit", "g");
   write_sources(xml, build.info);

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "slicing/layer_sink.h"
+
+namespace lamella {
+
+/// One folder per plain material of grey PNGs, one per layer: black is none of it, white all of it, between them its
+/// volume fraction at the pixel's centre in equal steps. `bits` a pixel, 8 or 16.
+[[nodiscard]] std::unique_ptr<LayerSink> make_grey_png_sink(const std::filesystem::path& folder, int bits = 8);
+
+}  // namespace lamella
