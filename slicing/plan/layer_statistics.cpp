@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "slicing/compensated_sum.h"
+#include "slicing/mixer.h"
 #include "slicing/plan/islands.h"
 #include "slicing/plan/overhang.h"
 #include "slicing/plan/track_order.h"
@@ -83,6 +84,24 @@ LayerStatistics measure_layer(const Layer& layer, const Grid& grid, std::size_t 
     if (one.area > 0.0 || one.segments > 0) out.materials.push_back(one);
   }
   return out;
+}
+
+void credit_components(const Layer& layer, const Grid& grid, const IdVector<MaterialId, Material>& materials,
+                       LayerStatistics& statistics) {
+  if (layer.raster.mixtures.empty()) return;
+  std::vector<double> lengths(materials.size(), 0.0);
+  add_component_lengths(layer.raster, materials, lengths);
+  std::erase_if(statistics.materials,
+                [&](const MaterialStatistics& one) { return materials[one.material].is_graded(); });
+  for (std::size_t m = 0; m < lengths.size(); ++m) {
+    if (!(lengths[m] > 0.0)) continue;
+    const auto place = std::lower_bound(statistics.materials.begin(), statistics.materials.end(), MaterialId{m},
+                                        [](const MaterialStatistics& one, MaterialId id) { return one.material < id; });
+    const bool is_known = place != statistics.materials.end() && place->material == MaterialId{m};
+    MaterialStatistics& one =
+        is_known ? *place : *statistics.materials.insert(place, MaterialStatistics{MaterialId{m}});
+    one.area += lengths[m] * grid.pitch.y();
+  }
 }
 
 }  // namespace lamella

@@ -6,6 +6,7 @@
 
 #include "core/geometry.h"
 #include "materials/machine.h"
+#include "materials/material_table.h"
 #include "slicing/layer.h"
 #include "slicing/layer_plan.h"
 
@@ -59,5 +60,9 @@ struct Cover {
 /// plate.
 [[nodiscard]] LayerStatistics measure_layer(const Layer& layer, const Grid& grid, std::size_t materials,
                                             const StatisticsOptions& options, const Cover* below);
+
+/// Puts the components of graded materials in their place: of what they take only the area is known.
+void credit_components(const Layer& layer, const Grid& grid, const IdVector<MaterialId, Material>& materials,
+                       LayerStatistics& statistics);
 
 }  // namespace lamella

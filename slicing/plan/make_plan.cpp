@@ -42,6 +42,7 @@ class Planner {
 
   [[nodiscard]] BuildPlan run() {
     check_heights();
+    check_graded();
     const LoadSchedule loads = load();
     const ToolOrder order = order_steps(loads);
     lay_out(loads, order);
@@ -66,6 +67,18 @@ class Planner {
       throw InputError(
           "the build's layers of " + format_double(span.z_top - span.z_bottom) + " mm don't suit the machine: " + fault,
           machine_.source, "slice again with --machine");
+    }
+  }
+
+  /// A mixture needs its components side by side, which only heads of a sweep lay down together.
+  void check_graded() const {
+    if (all_at_once()) return;
+    for (const BuildSolid& solid : info_.solids) {
+      const Material& material = info_.materials[solid.material];
+      if (!material.is_graded()) continue;
+      throw InputError("the material '" + material.name + "' of '" + solid.path + "' is graded, and " +
+                           name_of(machine_.technology) + " lays one material down at a time",
+                       machine_.source, "plan for material jetting, or give the solid a plain material");
     }
   }
 

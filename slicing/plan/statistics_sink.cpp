@@ -18,6 +18,7 @@ void StatisticsSink::write(const Layer& layer) {
   // The first layer stands on the plate.
   layers_.push_back(
       measure_layer(layer, info_.plan.grid, info_.materials.size(), options_, below_ ? &*below_ : nullptr));
+  credit_components(layer, info_.plan.grid, info_.materials, layers_.back());
   below_ = cover_of(layer.raster);
 }
 

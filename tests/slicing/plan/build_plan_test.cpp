@@ -8,6 +8,7 @@
 #include "model/measure.h"
 #include "slicing/plan/statistics_sink.h"
 #include "slicing/slicer.h"
+#include "tests/support/graded_scene.h"
 #include "tests/support/layers.h"
 #include "tests/support/step_scenes.h"
 
@@ -269,6 +270,38 @@ TEST(BuildPlan, FourMachinesPlanTheConnectorDifferently) {
   }
   EXPECT_EQ(times.size(), 4U);
   EXPECT_EQ(changes.size(), 4U);
+}
+
+TEST(BuildPlan, CreditsTheComponentsOfGradedMaterials) {
+  const test::GradedScene graded(0.25, false);
+  Machine machine = shipped("material_jetting");
+  machine.layer_min = machine.layer_default = 0.25;
+  machine.layer_max = 1.0;
+  machine.layer_step = 0.0;
+  StatisticsSink statistics(machine);
+  const SliceReport report = graded.slice_into(statistics);
+  const BuildPlan plan = make_plan(statistics.info(), statistics.layers(), machine);
+  for (std::size_t m = 0; m < plan.materials.size(); ++m) {
+    const double expected = report.materials[MaterialId{m}].volume;
+    EXPECT_NEAR(plan.materials[m].volume, expected, 1e-9 * (1.0 + expected)) << plan.materials[m].name;
+    EXPECT_EQ(plan.materials[m].tools.empty(), graded.table.materials[MaterialId{m}].is_graded());
+  }
+  EXPECT_GT(plan.materials[0].volume, 100.0);
+}
+
+TEST(BuildPlan, RefusesAMixtureWhereOneMaterialIsLaidDownAtATime) {
+  const test::GradedScene graded(0.2, false);
+  const Machine machine = shipped("multi_nozzle");
+  StatisticsSink statistics(machine);
+  (void)graded.slice_into(statistics);
+  try {
+    (void)make_plan(statistics.info(), statistics.layers(), machine);
+    FAIL() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("'along z'"));
+    EXPECT_THAT(error.what(), HasSubstr("extrusion"));
+    EXPECT_THAT(error.hint(), HasSubstr("material jetting"));
+  }
 }
 
 }  // namespace
