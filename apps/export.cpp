@@ -87,20 +87,23 @@ void add_export(CLI::App& program, CommonOptions& common, Action& action) {
   CLI::App* verb = program.add_subcommand("export", "any format from a build");
   auto build = std::make_shared<std::string>();
   verb->add_option("build", *build, "the folder that lamella slice wrote")->required()->type_name("BUILD");
-  add_value(*verb, "--to", "png (one stack per material), png-indexed, png-grey, vdb, xml, gcode", "FORMAT")
-      ->required();
+  add_value(*verb, "--to", "one of the formats below", "FORMAT")->required();
   add_value(*verb, "-o,--output", "the file or folder to write", "OUT")->required();
   add_value(*verb, "--layers", "only layers A to B - 1, from 0; either may be missing", "A:B");
   add_format_options(*verb);
   add_value(*verb, "--machine", "the machine that the plan is for, for G-code", "X.xml");
   add_common(*verb, common);
-  verb->footer(
-      "Examples:\n"
-      "  lamella export build --to png -o images\n"
-      "  lamella export build --to vdb -o grip.vdb\n"
-      "  lamella export build --to xml -o grip.xml --xml-payload text --layers 10:20\n"
-      "  lamella export build --to gcode --plan plan.xml --machine mine.xml -o grip.gcode\n"
-      "Exit code 3 repeats that the slicing itself exceeded its error budget.");
+  std::string formats = "Formats:\n";
+  for (const Format& format : available_formats()) {
+    formats += fmt::format("  {:<12} {}{}\n", format.name, format.summary, format.is_folder ? " (a folder)" : "");
+  }
+  verb->footer(formats +
+               "Examples:\n"
+               "  lamella export build --to png -o images\n"
+               "  lamella export build --to vdb -o grip.vdb\n"
+               "  lamella export build --to xml -o grip.xml --xml-payload text --layers 10:20\n"
+               "  lamella export build --to gcode --plan plan.xml --machine mine.xml -o grip.gcode\n"
+               "Exit code 3 repeats that the slicing itself exceeded its error budget.");
   verb->final_callback([verb, build, &action] {
     const ExportOptions options = read_options(*verb, *build);
     action = [options](const Session& session) { return run(session, options); };

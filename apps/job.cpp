@@ -131,9 +131,7 @@ StepPart read_part(const XmlElement& element, const fs::path& job) {
 }
 
 bool is_path(const std::string& name) {
-  const auto& formats = available_formats();
-  return name == "output" || name == "materials" || name == "machine" || name == "plan" ||
-         std::find(formats.begin(), formats.end(), name) != formats.end();
+  return name == "output" || name == "materials" || name == "machine" || name == "plan" || find_format(name) != nullptr;
 }
 
 bool is_switch(const CLI::Option& option) { return option.get_expected_max() == 0; }

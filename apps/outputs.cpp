@@ -1,29 +1,16 @@
 #include "apps/outputs.h"
 
 #include <algorithm>
-#include <array>
 #include <unistd.h>
 
-#include "apps/options.h"
 #include "core/error.h"
-#include "export/dither_sink.h"
-#include "export/gcode_sink.h"
-#include "export/grey_png_stack.h"
-#include "export/png_stack.h"
-#include "export/vdb/vdb_sink.h"
-#include "export/xml_slices.h"
 #include "slicing/store/build_file.h"
-#include "slicing/store/store.h"
 
 namespace lamella::apps {
 
 namespace fs = std::filesystem;
 
 namespace {
-
-/// Formats of docs/command.md whose exporters aren't there yet.
-constexpr std::array kPlannedFormats{"polyjet", "tiff",       "sl1", "vti", "vtp", "nrrd", "mhd",
-                                     "cli",     "cli-binary", "3mf", "svg", "slc", "step"};
 
 /// Where the path leads when links and dots are followed as far as it exists.
 fs::path resolved(const fs::path& path) {
@@ -34,7 +21,11 @@ fs::path resolved(const fs::path& path) {
   return real.has_filename() ? real : real.parent_path();
 }
 
-bool is_folder_format(const std::string& format) { return format != "xml" && format != "vdb" && format != "gcode"; }
+/// The store is a folder too.
+bool is_folder_format(const std::string& name) {
+  const Format* format = find_format(name);
+  return format == nullptr || format->is_folder;
+}
 
 /// The nearest part of the path that exists.
 fs::path existing_part(fs::path path) {
@@ -54,84 +45,6 @@ void check_build_folder(const fs::path& folder) {
 }
 
 }  // namespace
-
-const std::vector<std::string>& available_formats() {
-  static const std::vector<std::string> formats{"png", "png-indexed", "png-grey", "vdb", "xml", "gcode"};
-  return formats;
-}
-
-void check_format(const std::string& format) {
-  const auto& known = available_formats();
-  if (std::find(known.begin(), known.end(), format) != known.end()) return;
-  const bool planned = std::find(kPlannedFormats.begin(), kPlannedFormats.end(), format) != kPlannedFormats.end();
-  std::string list;
-  for (const std::string& name : known) list += (list.empty() ? "" : ", ") + name;
-  throw UsageError("format '" + format + (planned ? "' isn't there yet" : "' isn't known"), "--to",
-                   "available: " + list);
-}
-
-void add_format_options(CLI::App& verb) {
-  add_value(verb, "--xml-payload", "numbers in the XML: binary (zlib + base64, the default) or text", "KIND");
-  add_switch(verb, "--vdb-ids", "also an Int32 grid of material ids in the VDB");
-  add_value(verb, "--plan", "the build's plan, for G-code", "plan.xml");
-  add_switch(verb, "--dither", "graded materials in png, png-indexed and vdb as voxels of what they are mixed of");
-  add_value(verb, "--grey-bits", "bits a pixel of png-grey: 8 (the default) or 16", "N");
-}
-
-FormatOptions read_format_options(const CLI::App& verb) {
-  FormatOptions options;
-  if (const auto payload = given(verb, "--xml-payload")) {
-    if (*payload != "text" && *payload != "binary") {
-      throw UsageError("'" + *payload + "' is no payload", "--xml-payload", "give text or binary");
-    }
-    options.xml_text = *payload == "text";
-  }
-  options.vdb_ids = verb.count("--vdb-ids") > 0;
-  options.dither = verb.count("--dither") > 0;
-  if (const auto bits = given(verb, "--grey-bits")) {
-    if (*bits != "8" && *bits != "16") throw UsageError("'" + *bits + "' bits", "--grey-bits", "give 8 or 16");
-    options.grey_bits = *bits == "16" ? 16 : 8;
-  }
-  options.plan = given(verb, "--plan");
-  options.machine = given(verb, "--machine");
-  return options;
-}
-
-void check_format_options(const FormatOptions& options, const std::vector<Output>& outputs) {
-  const bool has_gcode =
-      std::any_of(outputs.begin(), outputs.end(), [](const Output& output) { return output.format == "gcode"; });
-  if (!has_gcode) {
-    if (options.plan) throw UsageError("only gcode takes a plan", "--plan", "leave it out");
-    return;
-  }
-  if (!options.plan) throw UsageError("gcode needs --plan", {}, "make one with lamella plan");
-  if (!options.machine) throw UsageError("gcode needs --machine", {}, "name the machine that the plan is for");
-}
-
-namespace {
-
-std::unique_ptr<LayerSink> make_plain_sink(const Output& output, const FormatOptions& options) {
-  if (output.format == "store") return make_store_sink(output.path);
-  check_format(output.format);
-  if (output.format == "png") return make_png_sink(output.path);
-  if (output.format == "png-grey") return make_grey_png_sink(output.path, options.grey_bits);
-  if (output.format == "png-indexed") return make_indexed_png_sink(output.path);
-  if (output.format == "vdb") return make_vdb_sink(output.path, {.integer_ids = options.vdb_ids});
-  if (output.format == "gcode") {
-    return make_gcode_sink(output.path, {read_plan_xml(*options.plan), read_machine(*options.machine)});
-  }
-  return make_xml_sink(output.path, options.xml_text ? XmlPayload::text : XmlPayload::binary);
-}
-
-/// The formats whose voxels have one material each.
-bool can_dither(const std::string& format) { return format == "png" || format == "png-indexed" || format == "vdb"; }
-
-}  // namespace
-
-std::unique_ptr<LayerSink> make_sink(const Output& output, const FormatOptions& options) {
-  auto sink = make_plain_sink(output, options);
-  return options.dither && can_dither(output.format) ? make_dither_sink(std::move(sink)) : std::move(sink);
-}
 
 namespace {
 

@@ -78,9 +78,9 @@ void add_slice_options(CLI::App& verb) {
   add_value(verb, "--gap-tolerance", "solids within it touch (default: their faces' own tolerances, at least 1e-6)",
             "MM");
   add_switch(verb, "--allow-open", "slice open solids too, by winding number");
-  for (const std::string& format : available_formats()) {
-    add_value(verb, "--" + format, "also write " + format + " in the same pass",
-              format.starts_with("png") ? "DIR" : "FILE");
+  for (const Format& format : available_formats()) {
+    add_value(verb, "--" + std::string(format.name), "also write " + std::string(format.summary),
+              format.is_folder ? "DIR" : "FILE");
   }
   add_format_options(verb);
   add_engine_options(verb, "span");
@@ -118,8 +118,9 @@ SliceRequest read_slice_request(CLI::App& verb, const std::vector<std::string>& 
   if (!build) throw UsageError("--output is required", {}, "name a folder for the build: -o BUILD");
   request.build = *build;
   request.outputs.push_back({"store", request.build});
-  for (const std::string& format : available_formats()) {
-    if (const auto path = given(verb, "--" + format)) request.outputs.push_back({format, *path});
+  for (const Format& format : available_formats()) {
+    const std::string name = format.name;
+    if (const auto path = given(verb, "--" + name)) request.outputs.push_back({name, *path});
   }
   request.format = read_format_options(verb);
   check_format_options(request.format, request.outputs);

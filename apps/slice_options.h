@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "apps/outputs.h"
+#include "apps/session.h"
 #include "materials/material_table.h"
 #include "model/step/read_step.h"
 #include "slicing/layer_plan.h"

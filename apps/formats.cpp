@@ -1,0 +1,106 @@
+#include "apps/formats.h"
+
+#include <algorithm>
+#include <array>
+
+#include "apps/options.h"
+#include "core/error.h"
+#include "export/dither_sink.h"
+#include "export/gcode_sink.h"
+#include "export/grey_png_stack.h"
+#include "export/png_stack.h"
+#include "export/vdb/vdb_sink.h"
+#include "export/xml_slices.h"
+#include "slicing/store/store.h"
+
+namespace lamella::apps {
+
+namespace {
+
+using Path = std::filesystem::path;
+
+constexpr std::array kFormats{
+    Format{"png", "one stack of 1-bit images per material", true, true,
+           [](const Path& path, const FormatOptions&) { return make_png_sink(path); }},
+    Format{"png-indexed", "one stack of palette images of all materials", true, true,
+           [](const Path& path, const FormatOptions&) { return make_indexed_png_sink(path); }},
+    Format{"png-grey", "one stack of grey images of volume fractions per material", true, false,
+           [](const Path& path, const FormatOptions& options) { return make_grey_png_sink(path, options.grey_bits); }},
+    Format{"vdb", "OpenVDB grids", false, true,
+           [](const Path& path, const FormatOptions& options) {
+             return make_vdb_sink(path, {.integer_ids = options.vdb_ids});
+           }},
+    Format{"xml", "XML slices", false, false,
+           [](const Path& path, const FormatOptions& options) {
+             return make_xml_sink(path, options.xml_text ? XmlPayload::text : XmlPayload::binary);
+           }},
+    Format{"gcode", "multi-tool raster G-code", false, false,
+           [](const Path& path, const FormatOptions& options) {
+             return make_gcode_sink(path, {read_plan_xml(*options.plan), read_machine(*options.machine)});
+           }},
+};
+
+}  // namespace
+
+std::span<const Format> available_formats() { return kFormats; }
+
+const Format* find_format(const std::string& name) {
+  const auto* const found =
+      std::find_if(kFormats.begin(), kFormats.end(), [&](const Format& format) { return format.name == name; });
+  return found == kFormats.end() ? nullptr : found;
+}
+
+void check_format(const std::string& name) {
+  if (find_format(name) != nullptr) return;
+  std::string list;
+  for (const Format& format : kFormats) list += (list.empty() ? "" : ", ") + std::string(format.name);
+  throw UsageError("format '" + name + "' isn't known", "--to", "available: " + list);
+}
+
+void add_format_options(CLI::App& verb) {
+  add_value(verb, "--xml-payload", "numbers in the XML: binary (zlib + base64, the default) or text", "KIND");
+  add_switch(verb, "--vdb-ids", "also an Int32 grid of material ids in the VDB");
+  add_value(verb, "--plan", "the build's plan, for G-code", "plan.xml");
+  add_switch(verb, "--dither", "graded materials in png, png-indexed and vdb as voxels of what they are mixed of");
+  add_value(verb, "--grey-bits", "bits a pixel of png-grey: 8 (the default) or 16", "N");
+}
+
+FormatOptions read_format_options(const CLI::App& verb) {
+  FormatOptions options;
+  if (const auto payload = given(verb, "--xml-payload")) {
+    if (*payload != "text" && *payload != "binary") {
+      throw UsageError("'" + *payload + "' is no payload", "--xml-payload", "give text or binary");
+    }
+    options.xml_text = *payload == "text";
+  }
+  options.vdb_ids = verb.count("--vdb-ids") > 0;
+  options.dither = verb.count("--dither") > 0;
+  if (const auto bits = given(verb, "--grey-bits")) {
+    if (*bits != "8" && *bits != "16") throw UsageError("'" + *bits + "' bits", "--grey-bits", "give 8 or 16");
+    options.grey_bits = *bits == "16" ? 16 : 8;
+  }
+  options.plan = given(verb, "--plan");
+  options.machine = given(verb, "--machine");
+  return options;
+}
+
+void check_format_options(const FormatOptions& options, const std::vector<Output>& outputs) {
+  const bool has_gcode =
+      std::any_of(outputs.begin(), outputs.end(), [](const Output& output) { return output.format == "gcode"; });
+  if (!has_gcode) {
+    if (options.plan) throw UsageError("only gcode takes a plan", "--plan", "leave it out");
+    return;
+  }
+  if (!options.plan) throw UsageError("gcode needs --plan", {}, "make one with lamella plan");
+  if (!options.machine) throw UsageError("gcode needs --machine", {}, "name the machine that the plan is for");
+}
+
+std::unique_ptr<LayerSink> make_sink(const Output& output, const FormatOptions& options) {
+  if (output.format == "store") return make_store_sink(output.path);
+  check_format(output.format);
+  const Format& format = *find_format(output.format);
+  auto sink = format.make(output.path, options);
+  return options.dither && format.has_single_materials ? make_dither_sink(std::move(sink)) : std::move(sink);
+}
+
+}  // namespace lamella::apps
