@@ -26,7 +26,9 @@ struct Case {
       table.assignments.push_back({MaterialId{s}, static_cast<int>(s), ""});
       rules.rank.push_back(static_cast<int>(s));
     }
-    for (std::size_t f = 0; f < 1000; ++f) rules.face_tolerance.push_back(1e-7);
+    IdVector<FaceId, Face> faces(1000);
+    for (Face& face : faces) face.tolerance = 1e-7;
+    rules.widen_at(faces);
     rules.table = &table;
   }
   Case(const Case&) = delete;

@@ -20,7 +20,7 @@ class SpanPeer : public Peer {
     rules_.emplace();
     rules_->table = &table_;
     rules_->rank = rank_solids(model.scene, table_, measures);
-    for (const Face& face : model.scene.faces) rules_->face_tolerance.push_back(face.tolerance);
+    rules_->widen_at(model.scene.faces);
   }
 
   void prepare() override { cut_ = make_cutter(model_); }

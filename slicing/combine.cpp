@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "slicing/interface_policy.h"
+#include "slicing/slivers.h"
 
 namespace lamella {
 
@@ -17,13 +18,6 @@ bool is_usable(const Span& span) { return span.begin < span.end && std::isfinite
 
 void add_pair(std::vector<PairLength>& pairs, SolidId a, SolidId b, double length) {
   pairs.push_back({std::min(a, b), std::max(a, b), length});
-}
-
-/// What a face that is left or entered by makes of the distance within which it touches another.
-double gap_tolerance(FaceId face, const CombineRules& rules) {
-  // An id that refers to nothing is larger than any size.
-  if (face.value() >= rules.face_tolerance.size()) return rules.gap_tolerance;
-  return std::max(rules.gap_tolerance, rules.face_tolerance[face]);
 }
 
 /// Writes the segments of one row behind those of the rows before it.
@@ -50,7 +44,7 @@ class Labeller {
     // A slot within one solid is a feature, not a gap between two.
     if (left.solid == right.solid) return;
     const double length = right.begin - left.end;
-    const double tolerance = std::max(gap_tolerance(left.face_out, rules_), gap_tolerance(right.face_in, rules_));
+    const double tolerance = std::max(rules_.tolerance_at(left.face_out), rules_.tolerance_at(right.face_in));
     if (!(length <= tolerance)) return;
     add_run(left.end, right.begin, rules_.rank[left.solid] > rules_.rank[right.solid] ? left.solid : right.solid);
     add_pair(gaps_, left.solid, right.solid, length);
@@ -211,9 +205,9 @@ void RowCombiner::measure_overlaps(std::span<const Span> spans, const CombineRul
   Open* const open = open_.data();
   std::size_t count = 0;
   for (const Span& span : spans) {
-    const Open entered{span.end, gap_tolerance(span.face_out, rules), span.solid,
+    const Open entered{span.end, rules.tolerance_at(span.face_out), span.solid,
                        rules.table->assignments[span.solid].material};
-    const double tolerance_in = gap_tolerance(span.face_in, rules);
+    const double tolerance_in = rules.tolerance_at(span.face_in);
     std::size_t kept = 0;
     for (std::size_t i = 0; i < count; ++i) {
       if (open[i].end <= span.begin) continue;
@@ -238,15 +232,33 @@ std::span<const Span> RowCombiner::clip(std::span<const Span> spans, const Combi
   return sort_usable(clipped_, rules);
 }
 
-void RowCombiner::combine(std::span<const Span> spans, const CombineRules& rules, std::vector<Segment>& segments) {
-  overlaps_.clear();
-  gaps_.clear();
+/// Appends the labelled runs of a row. Returns the spans that they are made of, clipped.
+std::span<const Span> RowCombiner::label(std::span<const Span> spans, const CombineRules& rules,
+                                         std::vector<Segment>& segments) {
   Labeller labeller(rules, segments, gaps_);
-  if (label_disjoint(spans, labeller)) return;
+  if (label_disjoint(spans, labeller)) return spans;
   const std::span<const Span> usable = sort_usable(spans, rules);
   measure_overlaps(usable, rules);
   if (steps_.size() < spans.size()) steps_.resize(spans.size());
-  Staircase(rules, steps_.data(), labeller).label(clip(usable, rules));
+  const std::span<const Span> clipped = clip(usable, rules);
+  Staircase(rules, steps_.data(), labeller).label(clipped);
+  return clipped;
+}
+
+void RowCombiner::combine(std::span<const Span> spans, const CombineRules& rules, std::vector<Segment>& segments) {
+  overlaps_.clear();
+  gaps_.clear();
+  const std::size_t row_begin = segments.size();
+  const std::span<const Span> labelled = label(spans, rules, segments);
+  join_slivers(labelled, rules, row_begin, segments);
+}
+
+void CombineRules::widen_at(const IdVector<FaceId, Face>& faces) {
+  face_tolerance_.reserve(faces.size());
+  for (const Face& face : faces) {
+    face_tolerance_.push_back(face.tolerance);
+    widest_ = std::max(widest_, face.tolerance);
+  }
 }
 
 CombinedRow combine_row(std::span<const Span> spans, const CombineRules& rules) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -32,7 +33,22 @@ struct CombineRules {
   const MaterialTable* table = nullptr;       ///< not owned; material, priority and overlap policy
   IdVector<SolidId, int> rank;                ///< of rank_solids()
   double gap_tolerance = tolerance::kMinGap;  ///< mm along the row; gaps up to it go to the higher rank
-  IdVector<FaceId, double> face_tolerance;    ///< mm, may be empty; widens the gap tolerance at the faces it knows
+
+  /// Widens the gap tolerance at the faces of the scene to what they state.
+  void widen_at(const IdVector<FaceId, Face>& faces);
+
+  /// mm: within what a face that is left or entered by touches another.
+  [[nodiscard]] double tolerance_at(FaceId face) const {
+    // An id that refers to nothing is larger than any size.
+    if (face.value() >= face_tolerance_.size()) return gap_tolerance;
+    return std::max(gap_tolerance, face_tolerance_[face]);
+  }
+  /// mm: no face has a larger one.
+  [[nodiscard]] double widest_tolerance() const { return std::max(gap_tolerance, widest_); }
+
+ private:
+  IdVector<FaceId, double> face_tolerance_;  ///< mm, may be empty
+  double widest_ = 0.0;
 };
 
 /// Combines one row after the other in memory that is used again: 3 to 20 ns a span where spans are disjoint, touch or
@@ -61,6 +77,7 @@ class RowCombiner {
     MaterialId material;
   };
 
+  std::span<const Span> label(std::span<const Span> spans, const CombineRules& rules, std::vector<Segment>& segments);
   std::span<const Span> sort_usable(std::span<const Span> spans, const CombineRules& rules);
   void measure_overlaps(std::span<const Span> spans, const CombineRules& rules);
   std::span<const Span> clip(std::span<const Span> spans, const CombineRules& rules);

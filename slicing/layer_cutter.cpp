@@ -58,10 +58,9 @@ LayerCutter::LayerCutter(const SlabFunction& engine, const Scene& scene, const M
   rules_.rank = interfaces.rank();
   if (const auto& tolerance = interfaces.gap_tolerance()) {
     rules_.gap_tolerance = *tolerance;
-    return;
+  } else {
+    rules_.widen_at(scene.faces);
   }
-  rules_.face_tolerance.reserve(scene.faces.size());
-  for (const Face& face : scene.faces) rules_.face_tolerance.push_back(face.tolerance);
 }
 
 /// The hatch rows that meet the box of a solid on that layer.

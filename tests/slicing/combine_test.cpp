@@ -32,6 +32,13 @@ struct Row {
   }
 };
 
+/// One face that states this tolerance.
+IdVector<FaceId, Face> faces_of_tolerance(double tolerance) {
+  IdVector<FaceId, Face> faces(1);
+  faces[FaceId{0}].tolerance = tolerance;
+  return faces;
+}
+
 Segment segment(double begin, double end, std::size_t material, SolidId solid) {
   return {begin, end, MaterialId{material}, solid};
 }
@@ -144,7 +151,7 @@ TEST(CombineRow, KeepsASmallSlotWithinOneSolid) {
 
 TEST(CombineRow, WidensTheGapToleranceAtFacesThatStateALargerOne) {
   Row row;
-  row.rules.face_tolerance.push_back(0.5);
+  row.rules.widen_at(faces_of_tolerance(0.5));
   const SolidId a = row.add_solid(0, 1, 0);
   const SolidId b = row.add_solid(1, 0, 0);
   row.spans.push_back({0, 1, a, FaceId{}, FaceId{0}});
@@ -152,6 +159,52 @@ TEST(CombineRow, WidensTheGapToleranceAtFacesThatStateALargerOne) {
   row.spans.push_back({2.25, 3, a, FaceId{}, FaceId{}});
   EXPECT_EQ(row.combine().segments,
             (std::vector{segment(0, 1.25, 0, a), segment(1.25, 2, 1, b), segment(2.25, 3, 0, a)}));
+}
+
+TEST(CombineRow, GivesASliverToTheNeighbourOfHigherRank) {
+  Row row;
+  const SolidId a = row.add_solid(0, 1, 0);
+  const SolidId b = row.add_solid(1, 2, 0);
+  const SolidId below = row.add_solid(2, 0, 0);
+  row.add_span(below, 0, 10);
+  row.add_span(a, 2, 5);
+  row.add_span(b, 5 + 1e-9, 10 - 1e-9);
+  EXPECT_EQ(row.combine().segments, (std::vector{segment(0, 2, 2, below), segment(2, 5, 0, a), segment(5, 10, 1, b)}));
+}
+
+TEST(CombineRow, MakesOneOfTheRunsOnBothSidesOfASliver) {
+  Row row;
+  const SolidId a = row.add_solid(0, 1, 0);
+  const SolidId below = row.add_solid(1, 0, 0);
+  row.add_span(below, 0, 10);
+  row.add_span(a, 2, 5);
+  row.add_span(a, 5 + 1e-9, 7);
+  EXPECT_EQ(row.combine().segments,
+            (std::vector{segment(0, 2, 1, below), segment(2, 7, 0, a), segment(7, 10, 1, below)}));
+}
+
+TEST(CombineRow, KnowsSliversByTheTolerancesOfTheFacesAroundThem) {
+  Row row;
+  row.rules.widen_at(faces_of_tolerance(0.5));
+  const SolidId a = row.add_solid(0, 1, 0);
+  const SolidId below = row.add_solid(1, 0, 0);
+  row.add_span(below, 0, 10);
+  row.spans.push_back({2, 5, a, FaceId{}, FaceId{0}});
+  row.spans.push_back({5.25, 7, a, FaceId{}, FaceId{}});
+  row.spans.push_back({7.25, 8, a, FaceId{}, FaceId{}});
+  EXPECT_EQ(row.combine().segments,
+            (std::vector{segment(0, 2, 1, below), segment(2, 7, 0, a), segment(7, 7.25, 1, below),
+                         segment(7.25, 8, 0, a), segment(8, 10, 1, below)}));
+}
+
+TEST(CombineRow, KeepsABodyThatIsThinnerThanTheTolerance) {
+  Row row;
+  row.rules.gap_tolerance = 0.5;
+  const SolidId a = row.add_solid(0, 0, 0);
+  const SolidId coat = row.add_solid(1, 0, 1);
+  row.add_span(a, 0, 5);
+  row.add_span(coat, 5, 5.25);
+  EXPECT_EQ(row.combine().segments, (std::vector{segment(0, 5, 0, a), segment(5, 5.25, 1, coat)}));
 }
 
 TEST(CombineRow, TakesAnOverlapWithinTheGapToleranceForTouching) {
