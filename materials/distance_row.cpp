@@ -19,6 +19,12 @@ constexpr double kDepthSteps = 2.0;
 /// mm: where the distance has a corner, on the medial axis, it is cut off no farther from it than this.
 constexpr double kShortest = 1e-3;
 
+/// A corner is guessed where the slopes differ by this much.
+constexpr double kLeastTurn = 0.1;
+
+/// A cubic is judged by a point that leaves at most this part of the interval on one side.
+constexpr double kCentred = 0.7;
+
 /// On the surface itself the direction to the nearest point is rounding, so the slope is taken from this far on, mm.
 constexpr double kOnSurface = 1e-6;
 constexpr double kNudge = 1e-4;
@@ -38,9 +44,9 @@ DistanceRow::Node DistanceRow::node_at(double x, double most) {
   const Vec3 point = piece_.origin + x * piece_.along;
   ++queries_;
   const auto found = distance_.find(point, most * (1.0 + kBoundSlack) + kBoundSlack);
-  if (!found) return {x, kInfinite, 0.0, false};
+  if (!found) return {x, kInfinite};
   const double slope = found->distance > 0.0 ? (point - found->point).dot(piece_.along) / found->distance : 0.0;
-  return {x, found->distance, slope, false};
+  return {x, found->distance, slope, found->point};
 }
 
 /// An end of the piece usually lies on the surface.
@@ -61,30 +67,49 @@ double DistanceRow::cubic(const Node& from, const Node& to, double x) {
          s * t * length * (s * from.slope - t * to.slope);
 }
 
+/// Bounds the distance at `x` by that of the point that is nearest to another place.
+double DistanceRow::farthest_from(const Node& node, double x) const {
+  return node.distance < kInfinite ? (piece_.origin + x * piece_.along - node.foot).norm() : kInfinite;
+}
+
+/// Where to look between two nodes: at the corner that their tangents make if they turn as at the medial axis, where
+/// another part of the surface becomes the nearest, else in the middle.
+double DistanceRow::split(const Node& from, const Node& to) {
+  const double middle = 0.5 * (from.x + to.x);
+  const double turn = from.slope - to.slope;
+  const bool is_known = from.distance < kInfinite && to.distance < kInfinite;
+  if (!is_known || !(turn > kLeastTurn) || to.x - from.x < 2.0 * kShortest) return middle;
+  const double corner = from.x + (to.distance - from.distance - to.slope * (to.x - from.x)) / turn;
+  return std::clamp(corner, from.x + kShortest, to.x - kShortest);
+}
+
 /// Appends the nodes behind `from` up to `to`. A distance can't change by more than the way that is gone: so an
-/// interval is deep if its middle is farther than `farthest` by half its length.
-void DistanceRow::refine(const Node& from, const Node& to) {
-  const double half = 0.5 * (to.x - from.x);
+/// interval is deep if it is farther than `farthest` by half its length in the middle.
+void DistanceRow::refine(const Node& from, const Node& to, bool may_guess) {
+  const double length = to.x - from.x;
+  const double x = may_guess ? split(from, to) : 0.5 * (from.x + to.x);
+  const double reach = limits_.farthest + std::max(0.5 * length, step_);
+  const Node inner = node_at(x, std::min({farthest_from(from, x), farthest_from(to, x), reach}));
+  const double wider = std::max(x - from.x, to.x - x);
+  const bool is_short = length <= kShortest;
   const bool may_be_deep = from.distance >= limits_.farthest && to.distance >= limits_.farthest;
-  const double reach = limits_.farthest + std::max(half, step_);
-  const double most = std::min({from.distance + half, to.distance + half, reach});
-  const Node middle = node_at(from.x + half, most);
-  const bool is_short = 2.0 * half <= kShortest;
-  if (may_be_deep && (middle.distance >= limits_.farthest + half || is_short)) {
+  if (may_be_deep && (inner.distance >= limits_.farthest + wider || is_short)) {
     nodes_.back().is_deep = true;
     nodes_.push_back(to);
     return;
   }
-  const bool is_known = from.distance < kInfinite && middle.distance < kInfinite && to.distance < kInfinite;
+  const bool is_known = from.distance < kInfinite && inner.distance < kInfinite && to.distance < kInfinite;
+  const bool is_centred = wider <= kCentred * length;
   const bool is_smooth =
-      is_known && 2.0 * half <= step_ && std::abs(cubic(from, to, middle.x) - middle.distance) <= limits_.tolerance;
+      is_known && length <= step_ && is_centred && std::abs(cubic(from, to, x) - inner.distance) <= limits_.tolerance;
   if (is_smooth || (is_known && is_short)) {
-    nodes_.push_back(middle);
+    nodes_.push_back(inner);
     nodes_.push_back(to);
     return;
   }
-  refine(from, middle);
-  refine(middle, to);
+  // A guess that was far off leaves nearly all: halving comes next.
+  refine(from, inner, is_centred || inner.x - from.x < wider);
+  refine(inner, to, is_centred || to.x - inner.x < wider);
 }
 
 void DistanceRow::build(const RowPiece& piece) {
@@ -93,7 +118,7 @@ void DistanceRow::build(const RowPiece& piece) {
   nodes_.assign(1, from);
   if (!(piece.range.lo < piece.range.hi)) return;
   const Node to = end_node(piece.range.hi, piece.range.lo);
-  refine(from, to);
+  refine(from, to, true);
 }
 
 double DistanceRow::at(double x) const {

@@ -32,14 +32,17 @@ class DistanceRow {
  private:
   struct Node {
     double x = 0.0;
-    double distance = 0.0;  ///< infinite if it is farther than was asked for
-    double slope = 0.0;     ///< by x
-    bool is_deep = false;   ///< from here to the next node it is farther than `farthest`, for certain
+    double distance = 0.0;     ///< infinite if it is farther than was asked for
+    double slope = 0.0;        ///< by x
+    Vec3 foot = Vec3::Zero();  ///< the nearest point, where one was found
+    bool is_deep = false;      ///< from here to the next node it is farther than `farthest`, for certain
   };
 
   [[nodiscard]] Node node_at(double x, double most);
+  [[nodiscard]] double farthest_from(const Node& node, double x) const;
   [[nodiscard]] Node end_node(double x, double toward);
-  void refine(const Node& from, const Node& to);
+  void refine(const Node& from, const Node& to, bool may_guess);
+  [[nodiscard]] static double split(const Node& from, const Node& to);
   [[nodiscard]] static double cubic(const Node& from, const Node& to, double x);
 
   const PartDistance& distance_;

@@ -36,9 +36,9 @@ enum class Cover { inside, outside, crossed };
 struct SurfacePart {
   std::uint32_t face = 0;  ///< in Data::faces
   Box2 uv;
-  bool is_inside = false;      ///< no border within
-  Vec3 normal = Vec3::Zero();  ///< in the middle
-  Interval slab;               ///< normal . S over the part, by its net: far thinner than its box where it is slanted
+  bool is_inside = false;  ///< no border within
+  Mat3 axes;               ///< rows: the normal in the middle and two directions across it
+  Box3 box;                ///< axes * S over the part, by its net: far thinner than its box where it is slanted
 };
 
 struct CurvePart {
@@ -61,7 +61,7 @@ struct Descent {
 };
 
 /// A Hessian that isn't positive definite (beyond a centre of curvature) gives way to Gauss and Newton's, which is.
-Vec2 step_of(const SurfacePoint2& s, const Vec3& residual, double damping) {
+Vec2 step_of(const SurfacePoint2& s, const Vec3& residual, double damping, const Vec2& uv, const Box2& box) {
   const Vec2 slope(s.du.dot(residual), s.dv.dot(residual));
   Eigen::Matrix2d gauss;
   gauss << s.du.squaredNorm(), s.du.dot(s.dv), s.du.dot(s.dv), s.dv.squaredNorm();
@@ -73,7 +73,14 @@ Vec2 step_of(const SurfacePoint2& s, const Vec3& residual, double damping) {
   const bool is_convex = hessian(0, 0) > 0.0 && hessian.determinant() > 1e-12 * gauss(0, 0) * gauss(1, 1);
   Eigen::Matrix2d matrix = is_convex ? hessian : gauss;
   matrix.diagonal().array() += std::max(damping, std::numeric_limits<double>::epsilon()) * gauss.trace();
-  return matrix.ldlt().solve(slope);
+  Vec2 step = matrix.ldlt().solve(slope);
+  // Along the border of the box the other parameter is alone.
+  for (int fixed = 0; fixed < 2; ++fixed) {
+    const bool is_held =
+        (uv[fixed] <= box.min()[fixed] && step[fixed] < 0.0) || (uv[fixed] >= box.max()[fixed] && step[fixed] > 0.0);
+    if (is_held) return fixed == 0 ? Vec2(0.0, slope.y() / matrix(1, 1)) : Vec2(slope.x() / matrix(0, 0), 0.0);
+  }
+  return step;
 }
 
 Descent descend(const Surface& surface, const Box2& box, const Vec3& point) {
@@ -81,7 +88,7 @@ Descent descend(const Surface& surface, const Box2& box, const Vec3& point) {
   Descent at{box.center(), s.point, (point - s.point).squaredNorm()};
   double damping = 0.0;
   for (int step = 0; step < kSteps; ++step) {
-    const Vec2 to = (at.uv + step_of(s, point - s.point, damping)).cwiseMax(box.min()).cwiseMin(box.max());
+    const Vec2 to = (at.uv + step_of(s, point - s.point, damping, at.uv, box)).cwiseMax(box.min()).cwiseMin(box.max());
     if (to == at.uv) break;
     const SurfacePoint2 next = evaluate2(surface, to);
     const double squared = (point - next.point).squaredNorm();
@@ -135,16 +142,21 @@ Cover cover_of(const TrimRegion& region, const Box2& uv) {
   return region.classify(uv.center()) == TrimRegion::Side::inside ? Cover::inside : Cover::outside;
 }
 
-/// Range of normal . S over a patch: that of its net, which holds it. Without a normal it is everything.
-Interval slab_of(const BezierPatch& patch, const Vec3& normal) {
-  constexpr double kFar = std::numeric_limits<double>::infinity();
-  if (!normal.allFinite()) return {-kFar, kFar};
-  Interval slab{kFar, -kFar};
-  for (const Vec4& pole : patch.net) {
-    const double height = normal.dot(pole.head<3>()) / pole.w();
-    slab = {std::min(slab.lo, height), std::max(slab.hi, height)};
-  }
-  return slab;
+/// Rows: the direction, or any without one, and two across it.
+Mat3 axes_along(const Vec3& direction) {
+  const Vec3 normal = direction.allFinite() ? direction : Vec3::UnitZ();
+  Mat3 axes;
+  axes.row(0) = normal;
+  axes.row(1) = normal.unitOrthogonal();
+  axes.row(2) = axes.row(0).cross(axes.row(1));
+  return axes;
+}
+
+/// The box along these axes of a patch: that of its net, which holds it.
+Box3 box_along(const Mat3& axes, const BezierPatch& patch) {
+  Box3 box;
+  for (const Vec4& pole : patch.net) box.extend(Vec3(axes * (pole.head<3>() / pole.w())));
+  return box;
 }
 
 /// Halves a patch across its longer side until it is flat enough.
@@ -222,9 +234,9 @@ void NearestPoint::Data::add_face(FaceId id) {
     uv.extend(form.to_surface({part.u.hi, part.v.hi}));
     const Cover cover = cover_of(data.region, uv);
     if (cover == Cover::outside) continue;
-    const Vec3 normal = evaluate(face.surface, uv.center()).normal().normalized();
+    const Mat3 axes = axes_along(evaluate(face.surface, uv.center()).normal().normalized());
     surface_parts.push_back(
-        {static_cast<std::uint32_t>(faces.size() - 1), uv, cover == Cover::inside, normal, slab_of(part, normal)});
+        {static_cast<std::uint32_t>(faces.size() - 1), uv, cover == Cover::inside, axes, box_along(axes, part)});
     boxes.push_back(control_box(part));
   }
 }
@@ -253,9 +265,7 @@ void NearestPoint::Data::add_edges(FaceId id, std::vector<Box3>& edge_boxes) {
 void NearestPoint::Data::search_faces(const Vec3& point, double& squared, NearPoint& best) const {
   surface_tree.search(point, squared, [&](std::uint32_t item, double limit) {
     const SurfacePart& part = surface_parts[item];
-    const double height = part.normal.dot(point);
-    const double away = std::max(part.slab.lo - height, height - part.slab.hi);
-    if (away > 0.0 && away * away >= limit) return limit;
+    if (part.box.squaredExteriorDistance(Vec3(part.axes * point)) >= limit) return limit;
     const FaceData& face = faces[part.face];
     const Descent found = descend(*face.surface, part.uv, point);
     if (!(found.squared < limit)) return limit;
