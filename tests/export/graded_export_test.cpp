@@ -1,8 +1,10 @@
 #include <cmath>
+#include <functional>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <openvdb/io/File.h>
 #include <openvdb/openvdb.h>
+#include <random>
 
 #include "export/dither_sink.h"
 #include "export/grey_png_stack.h"
@@ -179,6 +181,50 @@ TEST(GradedVdb, DensitiesAreFractions) {
   }
   EXPECT_GT(voxels, 100'000U);
   EXPECT_NEAR(sum_a * 1e-3, from.report.materials[MaterialId{0}].volume, 2.0);
+}
+
+/// Voxels of B less what the field says, over a cube of 32 voxels from `corner` on, as a part of them. `lower` is the
+/// lattice's origin; `field` gives the fraction of B at a voxel's centre.
+double mean_error(const openvdb::FloatGrid& b, const openvdb::Coord& corner, const Grid& grid,
+                  const std::function<double(const Vec3&)>& field) {
+  const auto at = b.getConstAccessor();
+  double error = 0.0;
+  const openvdb::CoordBBox cube = openvdb::CoordBBox::createCube(corner, 32);
+  for (auto voxel = cube.beginZYX(); voxel; ++voxel) {
+    const Vec3 place((*voxel).x() + 0.5, (*voxel).y() + 0.5, (*voxel).z() + 0.5);
+    error += at.getValue(*voxel) - field(grid.origin + place.cwiseProduct(grid.pitch));
+  }
+  return error / static_cast<double>(cube.volume());
+}
+
+/// Over cubes within a solid, as an exporter wrote them: of the box, which is graded along z, and of the sphere, which
+/// is by a formula, with a wave along y and a jump.
+TEST(Dithered, MeansOfCubesAreTheFields) {
+  openvdb::initialize();
+  const CollectingSink& from = sliced();
+  const test::TemporaryFolder folder;
+  const auto sink = make_dither_sink(make_vdb_sink(folder / "v.vdb", {}));
+  test::feed(*sink, from.info, from.layers, from.report);
+  openvdb::io::File file((folder / "v.vdb").string());
+  file.open(false);
+  const auto b = openvdb::gridPtrCast<openvdb::FloatGrid>(file.readGrid("density_B"));
+  const Grid& grid = from.info.plan.grid;
+  const auto voxel_at = [&](const Vec3& point) {
+    const Vec3 place = (point - grid.origin).cwiseQuotient(grid.pitch).array().round();
+    return openvdb::Coord(static_cast<int>(place.x()), static_cast<int>(place.y()), static_cast<int>(place.z()));
+  };
+  const auto along_z = [](const Vec3& p) { return p.z() / 8.0; };
+  const auto formula = [](const Vec3& p) { return p.x() > 4.0 ? 0.2 : 0.5 - 0.3 * std::sin(p.y()); };
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> step(0.0, 1.0);
+  const auto jitter = [&] { return Vec3(step(random), step(random), step(random)); };
+  for (int round = 0; round < 200; ++round) {
+    const openvdb::Coord in_box = voxel_at(0.1 * Vec3::Ones() + 4.6 * jitter());
+    EXPECT_LT(std::abs(mean_error(*b, in_box, grid, along_z)), 1e-3) << in_box;
+    const openvdb::Coord in_sphere =
+        voxel_at(Vec3(4, 16, 4) - 1.6 * Vec3::Ones() + 0.2 * (jitter() - 0.5 * Vec3::Ones()));
+    EXPECT_LT(std::abs(mean_error(*b, in_sphere, grid, formula)), 1e-3) << in_sphere;
+  }
 }
 
 }  // namespace
