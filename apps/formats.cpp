@@ -11,6 +11,7 @@
 #include "export/grey_png_stack.h"
 #include "export/png_stack.h"
 #include "export/slc_sink.h"
+#include "export/step_sink.h"
 #include "export/svg_sink.h"
 #include "export/threemf_sink.h"
 #include "export/vdb/vdb_sink.h"
@@ -51,6 +52,8 @@ constexpr std::array kFormats{
            [](const Path& path, const FormatOptions&) { return make_3mf_sink(path); }, Contours::needed},
     Format{"vtp", "VTK lines of segments and contours, one file per layer", true, false,
            [](const Path& path, const FormatOptions&) { return make_vtp_sink(path); }, Contours::used},
+    Format{"step", "STEP wireframe of contours by layer and material", false, false,
+           [](const Path& path, const FormatOptions&) { return make_step_sink(path); }, Contours::needed},
     Format{"gcode", "multi-tool raster G-code", false, false,
            [](const Path& path, const FormatOptions& options) {
              return make_gcode_sink(path, {read_plan_xml(*options.plan), read_machine(*options.machine)});

@@ -180,5 +180,97 @@ TEST_F(VectorFormat, DamagedSlcIsNoticed) {
 
 TEST_F(VectorFormat, SlcNeedsContours) { expect_contours_needed("slc"); }
 
+/// Skips the test where lib3mf isn't there, which is asked for by exit code 77.
+#define LAMELLA_EXPECT_3MF(...)                                                          \
+  do {                                                                                   \
+    const CommandResult result = judge("check_3mf.py", __VA_ARGS__);                     \
+    if (result.exit_code == 77) GTEST_SKIP() << "no lib3mf: run npm ci in tests/export"; \
+    ASSERT_EQ(result.exit_code, 0) << result.errors;                                     \
+    std::printf("check_3mf.py: %s", result.output.c_str());                              \
+  } while (false)
+
+TEST_F(VectorFormat, ThreemfIsReadByLib3mfInStrictModeAndHasEveryVoxel) {
+  slice("overmoulded_grip", "--layer-height 3 --pitch 0.4 --3mf " + quoted(path("a.3mf")));
+  LAMELLA_EXPECT_3MF("a.3mf");
+}
+
+TEST_F(VectorFormat, ThreemfOfManyLayersHasAClosedMeshOfBlocks) {
+  slice("lattice_in_shell", "--layer-height 0.2 --pitch 0.9 --contours 0.02");
+  EXPECT_EQ(export_to("3mf", "a.3mf").exit_code, 0);
+  LAMELLA_EXPECT_3MF("a.3mf");
+}
+
+TEST_F(VectorFormat, ThreemfOfALayerRangeBeginsAtItsFirstLayer) {
+  slice("nested_spheres", "--layer-height 1.5 --pitch 0.5 --contours 0.005");
+  EXPECT_EQ(export_to("3mf", "a.3mf", "--layers 4:11").exit_code, 0);
+  LAMELLA_EXPECT_3MF("a.3mf", "4 11");
+}
+
+TEST_F(VectorFormat, ThreemfHasTheSameBytesInEveryTimeZone) {
+  slice("nested_spheres", "--layer-height 5 --pitch 2 --contours");
+  EXPECT_EQ(export_to("3mf", "a.3mf").exit_code, 0);
+  EXPECT_EQ(run_command("env TZ=Asia/Tokyo " + quoted(lamella_binary()) + " export " + quoted(path("build")) +
+                        " --to 3mf -o " + quoted(path("b.3mf")))
+                .exit_code,
+            0);
+  EXPECT_EQ(read("a.3mf"), read("b.3mf"));
+}
+
+TEST_F(VectorFormat, ThreemfOfAnotherBuildIsNoticed) {
+  slice("nested_spheres", "--layer-height 5 --pitch 0.7 --3mf " + quoted(path("a.3mf")));
+  LAMELLA_EXPECT_3MF("a.3mf");
+  slice("nested_spheres", "--layer-height 4 --pitch 0.7 --contours");
+  EXPECT_EQ(judge("check_3mf.py", "a.3mf").exit_code, 1);
+}
+
+TEST_F(VectorFormat, ThreemfNeedsContours) { expect_contours_needed("3mf"); }
+
+TEST_F(VectorFormat, VtpHasEverySegmentAndContour) {
+  slice("overmoulded_grip",
+        "--layer-height 4 --pitch 0.4 --hatch-spacing 0.6 --hatch-angle 20 --vtp " + quoted(path("vtp")));
+  expect_judged("check_vtp.py", "vtp");
+  EXPECT_EQ(
+      run_command("xmllint --noout " + (path("vtp") / "*.vtp").string() + " " + quoted(path("vtp") / "layers.pvd"))
+          .exit_code,
+      0);
+}
+
+TEST_F(VectorFormat, VtpWithoutContoursHasTheRasterRows) {
+  slice("interpenetrating_bodies", "--layer-height 1 --pitch 0.3");
+  EXPECT_EQ(export_to("vtp", "vtp", "--layers 2:9").exit_code, 0);
+  expect_judged("check_vtp.py", "vtp", "2 9");
+}
+
+TEST_F(VectorFormat, VtpIsReadByParaview) {
+  if (run_command("command -v pvpython").exit_code != 0) GTEST_SKIP() << "no pvpython (Debian: python3-paraview)";
+  slice("interpenetrating_bodies", "--layer-height 3 --pitch 0.5 --vtp " + quoted(path("vtp")));
+  const CommandResult result = run_command("pvpython --force-offscreen-rendering " +
+                                           quoted(source_dir() / "tests" / "export" / "check_vtp_paraview.py") + " " +
+                                           quoted(path("build")) + " " + quoted(path("vtp")));
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+}
+
+TEST_F(VectorFormat, DamagedVtpIsNoticed) {
+  slice("nested_spheres", "--layer-height 7 --pitch 1 --vtp " + quoted(path("vtp")));
+  expect_judged("check_vtp.py", "vtp");
+  fs::copy_file(path("vtp") / "layer_000001.vtp", path("vtp") / "layer_000002.vtp",
+                fs::copy_options::overwrite_existing);
+  EXPECT_NE(judge("check_vtp.py", "vtp").exit_code, 0);
+}
+
+TEST_F(VectorFormat, StepIsReadByGmshAndHasEveryOutline) {
+  slice("overmoulded_grip", "--layer-height 4 --pitch 0.4 --step " + quoted(path("a.step")));
+  expect_judged("check_step.py", "a.step");
+}
+
+TEST_F(VectorFormat, StepOfALayerRangeHasItsOwnLayers) {
+  slice("interpenetrating_bodies", "--layer-height 1 --pitch 0.3 --contours 0.002");
+  EXPECT_EQ(export_to("step", "a.step", "--layers 2:9").exit_code, 0);
+  expect_judged("check_step.py", "a.step", "2 9");
+  EXPECT_NE(judge("check_step.py", "a.step", "3 10").exit_code, 0);
+}
+
+TEST_F(VectorFormat, StepNeedsContours) { expect_contours_needed("step"); }
+
 }  // namespace
 }  // namespace lamella::test

@@ -1,0 +1,172 @@
+/// STEP files of layers as OpenCASCADE's document reader sees them: products, materials, colours, and the area that
+/// each material fills on each layer, against the rows of the build.
+
+#include <BRep_Tool.hxx>
+#include <Geom_BSplineCurve.hxx>
+#include <STEPCAFControl_Reader.hxx>
+#include <TCollection_ExtendedString.hxx>
+#include <TDF_ChildIterator.hxx>
+#include <TDataStd_Name.hxx>
+#include <TDocStd_Document.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Edge.hxx>
+#include <XCAFApp_Application.hxx>
+#include <XCAFDoc_ColorTool.hxx>
+#include <XCAFDoc_DocumentTool.hxx>
+#include <XCAFDoc_MaterialTool.hxx>
+#include <XCAFDoc_ShapeTool.hxx>
+#include <cmath>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "export/step_entities.h"
+#include "slicing/store/store.h"
+#include "tests/support/command.h"
+
+namespace lamella::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// What encloses a material on a layer.
+struct Outline {
+  double area = 0.0;    ///< mm^2, holes taken off
+  double width = 0.0;   ///< mm: sum of the sides' lengths along x
+  double length = 0.0;  ///< mm
+  std::size_t loops = 0;
+};
+
+struct Product {
+  std::string material;
+  double density = 0.0;
+  std::map<double, Outline> outlines;  ///< by height
+};
+
+std::string text_of(const Handle(TCollection_HAsciiString) & text) { return text.IsNull() ? "" : text->ToCString(); }
+
+std::string name_of(const TDF_Label& label) {
+  Handle(TDataStd_Name) name;
+  if (!label.FindAttribute(TDataStd_Name::GetID(), name)) return {};
+  std::string text(static_cast<std::size_t>(name->Get().LengthOfCString()), '\0');
+  char* place = text.data();
+  name->Get().ToUTF8CString(place);
+  return text;
+}
+
+/// Adds a closed polygon, which comes as a spline of degree 1.
+void add_edge(const TopoDS_Edge& edge, std::map<double, Outline>& outlines) {
+  double first = 0.0;
+  double last = 0.0;
+  const Handle(Geom_BSplineCurve) curve = Handle(Geom_BSplineCurve)::DownCast(BRep_Tool::Curve(edge, first, last));
+  ASSERT_FALSE(curve.IsNull());
+  ASSERT_EQ(curve->Degree(), 1);
+  Outline& outline = outlines[curve->Pole(1).Z()];
+  ++outline.loops;
+  for (int i = 1; i < curve->NbPoles(); ++i) {
+    const gp_Pnt a = curve->Pole(i);
+    const gp_Pnt b = curve->Pole(i + 1);
+    ASSERT_EQ(a.Z(), b.Z());
+    outline.area += 0.5 * (a.X() * b.Y() - b.X() * a.Y());
+    outline.width += std::abs(b.X() - a.X());
+    outline.length += a.Distance(b);
+  }
+  ASSERT_LT(curve->Pole(1).Distance(curve->Pole(curve->NbPoles())), 1e-12);
+}
+
+std::map<std::string, Product> read_products(const std::filesystem::path& file) {
+  Handle(TDocStd_Document) document;
+  XCAFApp_Application::GetApplication()->NewDocument("MDTV-XCAF", document);
+  STEPCAFControl_Reader reader;
+  reader.SetMatMode(true);
+  reader.SetColorMode(true);
+  std::map<std::string, Product> products;
+  EXPECT_EQ(reader.ReadFile(file.c_str()), IFSelect_RetDone);
+  EXPECT_TRUE(reader.Transfer(document));
+  const auto shapes = XCAFDoc_DocumentTool::ShapeTool(document->Main());
+  TDF_LabelSequence labels;
+  shapes->GetFreeShapes(labels);
+  for (const TDF_Label& label : labels) {
+    Product& product = products[name_of(label)];
+    Handle(TCollection_HAsciiString) name, description, density_name, density_type;
+    for (TDF_ChildIterator child(XCAFDoc_DocumentTool::MaterialTool(document->Main())->Label()); child.More();
+         child.Next()) {
+      double density = 0.0;
+      if (!XCAFDoc_MaterialTool::GetMaterial(child.Value(), name, description, density, density_name, density_type))
+        continue;
+      if (text_of(name) != name_of(label)) continue;
+      product.material = text_of(name);
+      product.density = XCAFDoc_MaterialTool::GetDensityForShape(label);
+    }
+    for (TopExp_Explorer edge(shapes->GetShape(label), TopAbs_EDGE); edge.More(); edge.Next())
+      add_edge(TopoDS::Edge(edge.Current()), product.outlines);
+  }
+  return products;
+}
+
+/// Slices a data set and writes STEP in the same pass.
+void slice(const std::string& name, const std::string& options, const TemporaryFolder& folder) {
+  const std::filesystem::path set = datasets_dir() / name;
+  const CommandResult run =
+      run_lamella("slice " + quoted(set / (name + ".step")) + " --materials " + quoted(set / "materials.xml") + " -o " +
+                  quoted(folder / "build") + " --step " + quoted(folder / "a.step") + " --quiet " + options);
+  ASSERT_EQ(run.exit_code, 0) << run.errors;
+}
+
+void expect_layers_of(const std::string& name, const std::string& options) {
+  const TemporaryFolder folder;
+  slice(name, options, folder);
+  const std::map<std::string, Product> products = read_products(folder / "a.step");
+  const StoreReader build(folder / "build");
+  const double pitch = build.info().plan.grid.pitch.y();
+  const double chord_error = *build.info().plan.chord_error;
+  std::size_t compared = 0;
+  for (std::uint32_t k = 0; k < build.info().plan.layers.size(); ++k) {
+    const Layer layer = build.read_layer(k);
+    std::vector<double> by_rows(build.info().materials.size());
+    for (const Segment& segment : layer.raster.segments)
+      by_rows[segment.material.value()] += (segment.x_end - segment.x_begin) * pitch;
+    for (const MaterialId material : build.info().materials.ids()) {
+      const Product& product = products.at(build.info().materials[material].name);
+      Outline outline;
+      for (const auto& [z, found] : product.outlines)
+        if (std::abs(z - layer.z_sample) < 2e-6) outline = found;
+      // Midpoint sums are off by half a pitch times the variation of the width; rows know nothing of chords.
+      const double bound = 0.5 * pitch * outline.width + 2.0 * chord_error * (outline.length + 1.0);
+      EXPECT_NEAR(outline.area, by_rows[material.value()], bound) << "layer " << k;
+      compared += outline.loops;
+    }
+  }
+  EXPECT_GT(compared, 2 * build.info().plan.layers.size());
+}
+
+TEST(StepSink, OpenCascadeReadsTheAreaOfEveryMaterialOnEveryLayer) {
+  expect_layers_of("interpenetrating_bodies", "--layer-height 1.3 --pitch 0.1");
+  expect_layers_of("overmoulded_grip", "--layer-height 4 --pitch 0.2");
+}
+
+TEST(StepSink, OpenCascadeReadsMaterialsAndDensities) {
+  const TemporaryFolder folder;
+  slice("nested_spheres", "--layer-height 5 --pitch 1", folder);
+  const std::map<std::string, Product> products = read_products(folder / "a.step");
+  ASSERT_EQ(products.size(), 4u);
+  // OpenCASCADE gives densities in its own unit, a thousandth of what the file states in g/cm^3 times ... mm.
+  for (const auto& [name, density] :
+       std::map<std::string, double>{{"Tungsten", 19.25}, {"Lead", 11.34}, {"Epoxy", 1.18}}) {
+    EXPECT_EQ(products.at(name).material, name);
+    EXPECT_NEAR(products.at(name).density, density * 1e-3, 1e-9);
+  }
+}
+
+TEST(StepEntities, WriteTextAsTheFormatWantsIt) {
+  EXPECT_EQ(step_string("it's \\ \xC3\xBC"), "'it''s \\\\ \\X2\\00FC\\X0\\'");
+  EXPECT_EQ(step_string("\xF0\x9F\x94\xA9\xFF\n"), "'\\X4\\0001F529\\X0\\\\X2\\FFFD\\X0\\\\X2\\000A\\X0\\'");
+  EXPECT_EQ(step_real(12.0), "12.");
+  EXPECT_EQ(step_real(-0.05), "-0.05");
+}
+
+}  // namespace
+}  // namespace lamella::test
