@@ -3,6 +3,7 @@
 
 #include <BRep_Tool.hxx>
 #include <Geom_BSplineCurve.hxx>
+#include <Quantity_Color.hxx>
 #include <STEPCAFControl_Reader.hxx>
 #include <TCollection_ExtendedString.hxx>
 #include <TDF_ChildIterator.hxx>
@@ -11,6 +12,7 @@
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Edge.hxx>
+#include <TopoDS_Iterator.hxx>
 #include <XCAFApp_Application.hxx>
 #include <XCAFDoc_ColorTool.hxx>
 #include <XCAFDoc_DocumentTool.hxx>
@@ -43,6 +45,8 @@ struct Outline {
 struct Product {
   std::string material;
   double density = 0.0;
+  std::size_t sets = 0;                ///< parts of its shape
+  std::size_t colored = 0;             ///< of those
   std::map<double, Outline> outlines;  ///< by height
 };
 
@@ -87,19 +91,24 @@ std::map<std::string, Product> read_products(const std::filesystem::path& file) 
   EXPECT_EQ(reader.ReadFile(file.c_str()), IFSelect_RetDone);
   EXPECT_TRUE(reader.Transfer(document));
   const auto shapes = XCAFDoc_DocumentTool::ShapeTool(document->Main());
+  const auto materials = XCAFDoc_DocumentTool::MaterialTool(document->Main());
+  const auto colors = XCAFDoc_DocumentTool::ColorTool(document->Main());
   TDF_LabelSequence labels;
   shapes->GetFreeShapes(labels);
   for (const TDF_Label& label : labels) {
     Product& product = products[name_of(label)];
     Handle(TCollection_HAsciiString) name, description, density_name, density_type;
-    for (TDF_ChildIterator child(XCAFDoc_DocumentTool::MaterialTool(document->Main())->Label()); child.More();
-         child.Next()) {
+    for (TDF_ChildIterator child(materials->Label()); child.More(); child.Next()) {
       double density = 0.0;
-      if (!XCAFDoc_MaterialTool::GetMaterial(child.Value(), name, description, density, density_name, density_type))
-        continue;
+      if (!materials->GetMaterial(child.Value(), name, description, density, density_name, density_type)) continue;
       if (text_of(name) != name_of(label)) continue;
       product.material = text_of(name);
       product.density = XCAFDoc_MaterialTool::GetDensityForShape(label);
+    }
+    for (TopoDS_Iterator set(shapes->GetShape(label)); set.More(); set.Next()) {
+      Quantity_Color color;
+      if (colors->GetColor(set.Value(), XCAFDoc_ColorCurv, color)) ++product.colored;
+      ++product.sets;
     }
     for (TopExp_Explorer edge(shapes->GetShape(label), TopAbs_EDGE); edge.More(); edge.Next())
       add_edge(TopoDS::Edge(edge.Current()), product.outlines);
@@ -157,6 +166,7 @@ TEST(StepSink, OpenCascadeReadsMaterialsAndDensities) {
   for (const auto& [name, density] :
        std::map<std::string, double>{{"Tungsten", 19.25}, {"Lead", 11.34}, {"Epoxy", 1.18}}) {
     EXPECT_EQ(products.at(name).material, name);
+    std::printf("%s: %zu of %zu\n", name.c_str(), products.at(name).colored, products.at(name).sets);
     EXPECT_NEAR(products.at(name).density, density * 1e-3, 1e-9);
   }
 }

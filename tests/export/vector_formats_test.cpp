@@ -242,7 +242,7 @@ TEST_F(VectorFormat, VtpWithoutContoursHasTheRasterRows) {
 }
 
 TEST_F(VectorFormat, VtpIsReadByParaview) {
-  if (run_command("command -v pvpython").exit_code != 0) GTEST_SKIP() << "no pvpython (Debian: python3-paraview)";
+  if (run_command("which pvpython").exit_code != 0) GTEST_SKIP() << "no pvpython (Debian: python3-paraview)";
   slice("interpenetrating_bodies", "--layer-height 3 --pitch 0.5 --vtp " + quoted(path("vtp")));
   const CommandResult result = run_command("pvpython --force-offscreen-rendering " +
                                            quoted(source_dir() / "tests" / "export" / "check_vtp_paraview.py") + " " +

@@ -11,6 +11,7 @@
 #include "slicing/slicer.h"
 #include "tests/slicing/store_sample.h"
 #include "tests/support/layers.h"
+#include "tests/support/paths.h"
 #include "tests/support/solids.h"
 
 namespace lamella {
@@ -66,6 +67,12 @@ struct Tray {
   }
 };
 
+Box2 bounds_of(std::span<const Vec2> polygon) {
+  Box2 box;
+  for (const Vec2& point : polygon) box.extend(point);
+  return box;
+}
+
 TEST(Contours, OfCopiesAreThoseOfTheirOwnCut) {
   const Tray once(true);
   const Tray each(false);
@@ -83,6 +90,8 @@ TEST(Contours, OfCopiesAreThoseOfTheirOwnCut) {
       EXPECT_EQ(a.loops[i].solid, b.loops[i].solid);
       EXPECT_EQ(a.loops[i].parent, b.loops[i].parent);
       EXPECT_NEAR(a.loops[i].area, b.loops[i].area, 1e-6);
+      EXPECT_LT((bounds_of(a.polygon(i)).min() - bounds_of(b.polygon(i)).min()).norm(), 0.02);
+      EXPECT_LT((bounds_of(a.polygon(i)).max() - bounds_of(b.polygon(i)).max()).norm(), 0.02);
       ++loops;
     }
   }
