@@ -65,8 +65,7 @@ PlanOptions read_plan(const CLI::App& verb) {
 
 /// The chord error of contours, if they are asked for: by their option, or by a format that has them.
 std::optional<double> read_contours(const CLI::App& verb, const SliceRequest& request) {
-  const bool has_interfaces = request.policy != OverlapPolicy::priority && request.policy != OverlapPolicy::error;
-  const bool can_have = request.slice.engine == EngineKind::span && !request.slice.allow_open && !has_interfaces;
+  const bool can_have = request.slice.engine == EngineKind::span && !request.slice.allow_open;
   // Without a number it is empty, or "true" in a job.
   if (const auto chord = given(verb, "--contours")) {
     if (request.slice.engine != EngineKind::span) {

@@ -9,6 +9,8 @@
 #include <utility>
 
 #include "core/error.h"
+#include "export/contour_interfaces.h"
+#include "slicing/interface_policy.h"
 #include "slicing/rank_solids.h"
 
 namespace lamella {
@@ -31,18 +33,19 @@ Vec2 to_mm(const cl::IntPoint& point) {
 /// The section of one solid.
 struct Part {
   MaterialId material;
+  int priority = 0;
   int rank = 0;
   cl::Paths paths;
   Box2 box;
 };
 
 std::vector<Part> parts_of(const LayerContours& contours, const IdVector<SolidId, MaterialId>& materials,
-                           const IdVector<SolidId, int>& rank) {
+                           const IdVector<SolidId, int>& priority, const IdVector<SolidId, int>& rank) {
   std::vector<Part> parts;
   SolidId last;
   for (std::size_t i = 0; i < contours.loops.size(); ++i) {
     const SolidId solid = contours.loops[i].solid;
-    if (parts.empty() || solid != last) parts.push_back({materials[solid], rank[solid], {}, {}});
+    if (parts.empty() || solid != last) parts.push_back({materials[solid], priority[solid], rank[solid], {}, {}});
     last = solid;
     cl::Path& path = parts.back().paths.emplace_back();
     for (const Vec2& point : contours.polygon(i)) {
@@ -80,6 +83,49 @@ std::vector<std::vector<std::size_t>> group_parts(const std::vector<Part>& parts
   for (std::size_t part = 0; part < parts.size(); ++part) groups[find(part)].push_back(part);
   std::erase_if(groups, [](const auto& group) { return group.empty(); });
   return groups;
+}
+
+bool may_share(const Part& a, const Part& b) {
+  return a.priority == b.priority && a.material != b.material && a.box.intersects(b.box);
+}
+
+/// Whether two parts of the group may have to share an overlap.
+bool has_shared(const std::vector<Part>& parts, const std::vector<std::size_t>& group) {
+  for (std::size_t i = 0; i < group.size(); ++i) {
+    for (std::size_t j = i + 1; j < group.size(); ++j) {
+      if (may_share(parts[group[i]], parts[group[j]])) return true;
+    }
+  }
+  return false;
+}
+
+InterfacePart interface_part(const Part& part) {
+  InterfacePart out{part.priority, part.material, part.rank, {}};
+  for (const cl::Path& path : part.paths) {
+    auto& polygon = out.polygons.emplace_back();
+    for (const cl::IntPoint& point : path) polygon.push_back(to_mm(point));
+  }
+  return out;
+}
+
+/// Leaves of the group's parts what the policy lets them keep.
+void share_group(std::vector<Part>& parts, const std::vector<std::size_t>& group, OverlapPolicy policy) {
+  std::vector<InterfacePart> all;
+  for (const std::size_t i : group) all.push_back(interface_part(parts[i]));
+  for (const KeptArea& kept : share_overlaps(all, policy)) {
+    cl::Paths area;
+    for (const Trapezoid& trapezoid : kept.area) {
+      cl::Path& path = area.emplace_back();
+      for (const Vec2& corner : trapezoid) path.push_back(to_grid(corner));
+    }
+    for (const std::size_t i : group) {
+      if (parts[i].priority != kept.priority || parts[i].material != kept.material) continue;
+      cl::Clipper clipper;
+      clipper.AddPaths(parts[i].paths, cl::ptSubject, true);
+      clipper.AddPaths(area, cl::ptClip, true);
+      clipper.Execute(cl::ctIntersection, parts[i].paths, cl::pftPositive, cl::pftPositive);
+    }
+  }
 }
 
 /// What is left of part `place` of the group when those before it, of higher rank, have taken theirs. Parts of the same
@@ -183,21 +229,19 @@ void require_contours(const BuildInfo& info, std::string_view format) {
 }
 
 ContourCombiner::ContourCombiner(const BuildInfo& info, std::string_view format)
-    : rank_(rank_solids(info)), material_count_(info.materials.size()) {
+    : policy_(info.policy), rank_(rank_solids(info)), material_count_(info.materials.size()) {
   require_contours(info, format);
-  if (info.policy != OverlapPolicy::priority && info.policy != OverlapPolicy::error) {
-    throw UsageError(std::string(format) +
-                         " has contours, which the overlap policies entry, exit and average, made for"
-                         " rows, don't reach",
-                     {}, "slice with --overlap priority and give the solids priorities");
+  for (const BuildSolid& solid : info.solids) {
+    materials_.push_back(solid.material);
+    priority_.push_back(solid.priority);
   }
-  for (const BuildSolid& solid : info.solids) materials_.push_back(solid.material);
 }
 
 MaterialContours ContourCombiner::combine(const LayerContours& contours) const {
-  const std::vector<Part> parts = parts_of(contours, materials_, rank_);
+  std::vector<Part> parts = parts_of(contours, materials_, priority_, rank_);
   IdVector<MaterialId, std::vector<Island>> islands(material_count_);
   for (const std::vector<std::size_t>& group : group_parts(parts)) {
+    if (has_interfaces(policy_) && has_shared(parts, group)) share_group(parts, group, policy_);
     IdVector<MaterialId, cl::Paths> seen(material_count_);
     for (std::size_t place = 0; place < group.size(); ++place) {
       const cl::Paths more = seen_of(parts, group, place);

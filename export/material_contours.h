@@ -22,13 +22,13 @@ using MaterialContours = IdVector<MaterialId, std::vector<MaterialLoop>>;
 /// Where corners of material contours lie: on a grid of 2^-20 mm, about a nanometre.
 inline constexpr double kContourGrid = 1.0 / (1 << 20);  // mm
 
-/// Makes contours of materials of those of solids: each solid loses what solids of higher rank and other material
-/// cover, and what is left of one material unites (docs/methods/material-contours.md). Nothing is joined from ends of
+/// Makes contours of materials of those of solids: the overlap policy shares out what solids of equal priority cover,
+/// each solid loses what solids of higher rank and other material cover, and what is left of one material unites
+/// (docs/methods/material-contours.md). Nothing is joined from ends of
 /// rows.
 class ContourCombiner {
  public:
-  /// Throws UsageError when the build's layers have no contours or when its overlap policy places interfaces along
-  /// rows; `format` is who asks.
+  /// Throws UsageError when the build's layers have no contours; `format` is who asks.
   ContourCombiner(const BuildInfo& info, std::string_view format);
 
   /// Of a layer with contours. The result depends neither on ids nor on the order of solids. May be called from several
@@ -36,7 +36,9 @@ class ContourCombiner {
   [[nodiscard]] MaterialContours combine(const LayerContours& contours) const;
 
  private:
+  OverlapPolicy policy_;
   IdVector<SolidId, MaterialId> materials_;
+  IdVector<SolidId, int> priority_;
   IdVector<SolidId, int> rank_;
   std::size_t material_count_ = 0;
 };

@@ -1,7 +1,9 @@
 """Judges a STEP file of layers against its build: check_step.py BUILD FILE [FIRST LAST].
 
-gmsh reads it with its OpenCASCADE kernel. Every curve is a polygon; its corners come back from the curve itself."""
+gmsh reads it with its OpenCASCADE kernel. Every curve is a polygon; its corners come back from the curve itself. Material
+properties, which OpenCASCADE reads of solids only, are looked up in the text."""
 
+import re
 import sys
 
 import gmsh
@@ -37,6 +39,43 @@ def read_polygons(path):
     return polygons
 
 
+def check_properties(build, path):
+    """Every product has the name and the density of a material, in g/cm^3."""
+    with open(path, encoding="ascii") as stream:
+        entities = dict(re.findall(r"^#(\d+)=((?:[^;']|'(?:[^']|'')*')*);", stream.read(), re.M))
+    # By id: what refers to it.
+    users = {}
+    for number, text in entities.items():
+        for reference in re.findall(r"#(\d+)", text):
+            users.setdefault(reference, []).append(number)
+
+    def used_by(number, keyword):
+        return [n for n in users.get(number, []) if entities[n].startswith(keyword + "(")]
+
+    names = []
+    for number, text in entities.items():
+        if not text.startswith("PRODUCT("):
+            continue
+        name = re.match(r"PRODUCT\('((?:[^']|'')*)'", text)[1]
+        names.append(name)
+        (formation,) = used_by(number, "PRODUCT_DEFINITION_FORMATION")
+        (definition,) = used_by(formation, "PRODUCT_DEFINITION")
+        items = {}
+        for prop in used_by(definition, "PROPERTY_DEFINITION"):
+            what = re.match(r"PROPERTY_DEFINITION\('material property','([a-z ]+)'", entities[prop])[1]
+            (of_property,) = used_by(prop, "PROPERTY_DEFINITION_REPRESENTATION")
+            representation = re.findall(r"#(\d+)", entities[of_property])[1]
+            items[what] = entities[re.findall(r"#(\d+)", entities[representation])[0]]
+        assert items["material name"] == f"DESCRIPTIVE_REPRESENTATION_ITEM('{name}','{name}')", items
+        density = build.densities[build.materials.index(name)]
+        stated = float(re.search(r"POSITIVE_RATIO_MEASURE\(([0-9.]+)\)", items["density"])[1])
+        assert abs(stated - density) < 1e-6, (stated, density)
+        unit = entities[re.findall(r"#(\d+)", items["density"])[-1]]
+        parts = sorted(re.search(r",(-?[0-9.]+)\)", entities[n])[1] for n in re.findall(r"#(\d+)", unit))
+        assert parts == ["-3.", "1."], parts
+    assert names and len(set(names)) == len(names)
+
+
 def compare_outlines(build, layer, polygons, slack):
     """A point lies in one material, or in none: by parity of all polygons together, which share edges but no area."""
     centres = build.origin[0] + (np.arange(build.size[0]) + 0.5) * build.pitch[0]
@@ -58,6 +97,7 @@ def compare_outlines(build, layer, polygons, slack):
 def main():
     build = Build(sys.argv[1])
     first, last = [int(a) for a in sys.argv[3:5]] or (0, len(build.layers))
+    check_properties(build, sys.argv[2])
     polygons = read_polygons(sys.argv[2])
     heights = sorted(polygons)
     layers = [layer for layer in build.layers[first:last] if layer.loops]

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <map>
 
 #include "core/error.h"
 #include "slicing/store/store.h"
@@ -129,9 +130,6 @@ TEST(MaterialContours, DependOnIdsByNothingButIds) {
 
 TEST(MaterialContours, SayWhatABuildLacks) {
   BuildInfo info = build_of({0, 0, 0});
-  info.policy = OverlapPolicy::entry;
-  EXPECT_THROW(ContourCombiner(info, "svg"), UsageError);
-  info.policy = OverlapPolicy::priority;
   info.plan.chord_error.reset();
   try {
     const ContourCombiner combiner(info, "svg");
@@ -140,6 +138,33 @@ TEST(MaterialContours, SayWhatABuildLacks) {
     EXPECT_THAT(error.what(), HasSubstr("svg"));
     EXPECT_THAT(error.hint(), HasSubstr("--contours"));
   }
+}
+
+TEST(MaterialContours, PutInterfacesWhereThePolicySays) {
+  // A square and one that is turned by 45 degrees and dips into it from the right: on the line at y, the overlap begins
+  // at 3 + |y| and ends at 4.
+  const LayerContours contours = contours_of({{0, box(0, -2, 4, 2)}, {1, {{3, 0}, {6, -3}, {9, 0}, {6, 3}}}});
+  BuildInfo info = build_of({1, 1, 0});
+  const std::map<OverlapPolicy, double> lost{
+      {OverlapPolicy::entry, 1.0}, {OverlapPolicy::exit, 0.0}, {OverlapPolicy::average, 0.5}};
+  for (const auto& [policy, share] : lost) {
+    info.policy = policy;
+    const MaterialContours regions = ContourCombiner(info, "test").combine(contours);
+    EXPECT_NEAR(area_of(regions[MaterialId{0}]), 16 - share, 1e-5);
+    EXPECT_NEAR(area_of(regions[MaterialId{1}]), 18 - (1 - share), 1e-5);
+  }
+}
+
+TEST(MaterialContours, LeaveContainedSolidsAndOtherPrioritiesOutOfThePolicy) {
+  BuildInfo info = build_of({1, 1, 2});
+  info.policy = OverlapPolicy::average;
+  info.solids[SolidId{1}].volume_exact = 1e-3;
+  // The second lies within the first, the third of higher priority across both.
+  const LayerContours contours = contours_of({{0, box(0, 0, 9, 9)}, {1, box(2, 2, 4, 4)}, {2, box(3, 1, 4, 8)}});
+  const MaterialContours regions = ContourCombiner(info, "test").combine(contours);
+  EXPECT_NEAR(area_of(regions[MaterialId{2}]), 7, 1e-5);
+  EXPECT_NEAR(area_of(regions[MaterialId{1}]), 2, 1e-5);
+  EXPECT_NEAR(area_of(regions[MaterialId{0}]), 81 - 9, 1e-5);
 }
 
 /// Area of the disc in which a plane at height z cuts a ball about the origin's plane.

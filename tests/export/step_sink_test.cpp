@@ -1,12 +1,13 @@
-/// STEP files of layers as OpenCASCADE's document reader sees them: products, materials, colours, and the area that
+/// STEP files of layers as OpenCASCADE's document reader sees them: products, layers, colours, and the area that
 /// each material fills on each layer, against the rows of the build.
 
 #include <BRep_Tool.hxx>
 #include <Geom_BSplineCurve.hxx>
 #include <Quantity_Color.hxx>
 #include <STEPCAFControl_Reader.hxx>
+#include <TColStd_HSequenceOfExtendedString.hxx>
+#include <TCollection_AsciiString.hxx>
 #include <TCollection_ExtendedString.hxx>
-#include <TDF_ChildIterator.hxx>
 #include <TDataStd_Name.hxx>
 #include <TDocStd_Document.hxx>
 #include <TopExp_Explorer.hxx>
@@ -16,12 +17,14 @@
 #include <XCAFApp_Application.hxx>
 #include <XCAFDoc_ColorTool.hxx>
 #include <XCAFDoc_DocumentTool.hxx>
-#include <XCAFDoc_MaterialTool.hxx>
+#include <XCAFDoc_LayerTool.hxx>
 #include <XCAFDoc_ShapeTool.hxx>
+#include <array>
 #include <cmath>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -49,8 +52,6 @@ struct Product {
   std::size_t colored = 0;             ///< of those
   std::map<double, Outline> outlines;  ///< by height
 };
-
-std::string text_of(const Handle(TCollection_HAsciiString) & text) { return text.IsNull() ? "" : text->ToCString(); }
 
 std::string name_of(const TDF_Label& label) {
   Handle(TDataStd_Name) name;
@@ -85,30 +86,28 @@ std::map<std::string, Product> read_products(const std::filesystem::path& file) 
   Handle(TDocStd_Document) document;
   XCAFApp_Application::GetApplication()->NewDocument("MDTV-XCAF", document);
   STEPCAFControl_Reader reader;
-  reader.SetMatMode(true);
+  reader.SetLayerMode(true);
   reader.SetColorMode(true);
   std::map<std::string, Product> products;
   EXPECT_EQ(reader.ReadFile(file.c_str()), IFSelect_RetDone);
   EXPECT_TRUE(reader.Transfer(document));
   const auto shapes = XCAFDoc_DocumentTool::ShapeTool(document->Main());
-  const auto materials = XCAFDoc_DocumentTool::MaterialTool(document->Main());
+  const auto layers = XCAFDoc_DocumentTool::LayerTool(document->Main());
   const auto colors = XCAFDoc_DocumentTool::ColorTool(document->Main());
   TDF_LabelSequence labels;
   shapes->GetFreeShapes(labels);
   for (const TDF_Label& label : labels) {
     Product& product = products[name_of(label)];
-    Handle(TCollection_HAsciiString) name, description, density_name, density_type;
-    for (TDF_ChildIterator child(materials->Label()); child.More(); child.Next()) {
-      double density = 0.0;
-      if (!materials->GetMaterial(child.Value(), name, description, density, density_name, density_type)) continue;
-      if (text_of(name) != name_of(label)) continue;
-      product.material = text_of(name);
-      product.density = XCAFDoc_MaterialTool::GetDensityForShape(label);
-    }
     for (TopoDS_Iterator set(shapes->GetShape(label)); set.More(); set.Next()) {
-      Quantity_Color color;
-      if (colors->GetColor(set.Value(), XCAFDoc_ColorCurv, color)) ++product.colored;
       ++product.sets;
+      if (Quantity_Color color; colors->GetColor(set.Value(), XCAFDoc_ColorCurv, color)) {
+        auto& rgb = product.colors.emplace_back();
+        color.Values(rgb[0], rgb[1], rgb[2], Quantity_TOC_sRGB);
+      }
+      Handle(TColStd_HSequenceOfExtendedString) of_set;
+      if (!layers->GetLayers(set.Value(), of_set)) continue;
+      for (const TCollection_ExtendedString& layer : *of_set)
+        product.layers.insert(TCollection_AsciiString(layer).ToCString());
     }
     for (TopExp_Explorer edge(shapes->GetShape(label), TopAbs_EDGE); edge.More(); edge.Next())
       add_edge(TopoDS::Edge(edge.Current()), product.outlines);
@@ -157,18 +156,24 @@ TEST(StepSink, OpenCascadeReadsTheAreaOfEveryMaterialOnEveryLayer) {
   expect_layers_of("overmoulded_grip", "--layer-height 4 --pitch 0.2");
 }
 
-TEST(StepSink, OpenCascadeReadsMaterialsAndDensities) {
+TEST(StepSink, OpenCascadeReadsColoursAndLayersOfEveryMaterial) {
   const TemporaryFolder folder;
-  slice("nested_spheres", "--layer-height 5 --pitch 1", folder);
+  slice("nested_spheres", "--layer-height 3 --pitch 1", folder);
   const std::map<std::string, Product> products = read_products(folder / "a.step");
-  ASSERT_EQ(products.size(), 4u);
-  // OpenCASCADE gives densities in its own unit, a thousandth of what the file states in g/cm^3 times ... mm.
-  for (const auto& [name, density] :
-       std::map<std::string, double>{{"Tungsten", 19.25}, {"Lead", 11.34}, {"Epoxy", 1.18}}) {
-    EXPECT_EQ(products.at(name).material, name);
-    std::printf("%s: %zu of %zu\n", name.c_str(), products.at(name).colored, products.at(name).sets);
-    EXPECT_NEAR(products.at(name).density, density * 1e-3, 1e-9);
+  const StoreReader build(folder / "build");
+  ASSERT_EQ(products.size(), build.info().materials.size());
+  for (const Material& material : build.info().materials) {
+    const Product& product = products.at(material.name);
+    ASSERT_GT(product.sets, 2u);
+    EXPECT_EQ(product.colors.size(), product.sets);
+    for (const auto& color : product.colors) {
+      for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(color[c], material.color[c], 1e-4);
+    }
+    EXPECT_EQ(product.layers.size(), product.sets);
   }
+  // Layers of 3 mm through a ball of 28 mm.
+  EXPECT_EQ(products.at("Borosilicate glass").layers.size(), 10u);
+  EXPECT_EQ(products.at("Borosilicate glass").layers.count("layer 7"), 1u);
 }
 
 TEST(StepEntities, WriteTextAsTheFormatWantsIt) {

@@ -47,6 +47,7 @@ class Build:
     def __init__(self, folder):
         root = ET.parse(os.path.join(folder, "build.xml")).getroot()
         self.materials = [m.get("name") for m in root.iter(NAMESPACE + "material")]
+        self.densities = [float(m.get("density", "nan")) for m in root.iter(NAMESPACE + "material")]
         self.colors = [[float(m.get(c)) for c in ("red", "green", "blue")] for m in root.iter(NAMESPACE + "material")]
         self.solids = [(s.get("path"), int(s.get("material"))) for s in root.iter(NAMESPACE + "solid")]
         grid = next(root.iter(NAMESPACE + "grid"))

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <regex>
 #include <string>
 
 #include "tests/support/command.h"
@@ -140,9 +141,19 @@ TEST_F(VectorFormat, CliWithoutContoursOrHatchRowsHasTheRasterRows) {
   expect_judged("check_cli.py", "b.cli");
 }
 
-TEST_F(VectorFormat, CliOfAnOverlapPolicyThatContoursCantFollowHasHatchesOnly) {
-  slice("nested_spheres", "--layer-height 3 --pitch 0.7 --overlap average --cli " + quoted(path("a.cli")));
-  expect_judged("check_cli.py", "a.cli");
+TEST_F(VectorFormat, ContoursFollowThePoliciesOfOverlapsAsRowsDo) {
+  // The materials of the data set, all of one priority.
+  std::ifstream stream(datasets_dir() / "interpenetrating_bodies" / "materials.xml");
+  std::string text{std::istreambuf_iterator<char>(stream), {}};
+  std::ofstream(path("equal.xml")) << std::regex_replace(text, std::regex("priority=\"[0-9]+\""), "priority=\"1\"");
+  for (const char* policy : {"entry", "exit", "average"}) {
+    const std::string step = (datasets_dir() / "interpenetrating_bodies/interpenetrating_bodies.step").string();
+    const CommandResult run = run_lamella("slice " + step + " --materials " + quoted(path("equal.xml")) + " -o " +
+                                          quoted(path("build")) + " --layer-height 1 --pitch 0.13 --contours 0.001" +
+                                          " --quiet --svg " + quoted(path("svg")) + " --overlap " + policy);
+    ASSERT_EQ(run.exit_code, 0) << run.errors;
+    expect_judged("check_svg.py", "svg");
+  }
 }
 
 TEST_F(VectorFormat, DamagedCliIsNoticed) {
