@@ -88,6 +88,7 @@ class EarClipper {
     do {
       const Vec2& a = at(node);
       const Vec2& b = at(next(node));
+      if (a == h) return node;
       if (h.y() <= a.y() && h.y() >= b.y() && a.y() != b.y()) {
         const double x = a.x() + (h.y() - a.y()) * (b.x() - a.x()) / (b.y() - a.y());
         if (x <= h.x() && x > met) {
@@ -161,12 +162,27 @@ class EarClipper {
     --left_;
   }
 
+  [[nodiscard]] double turn(std::size_t node) const { return cross(at(previous(node)), at(node), at(next(node))); }
+
+  /// Where loops touch, a bridge may run along a side: its corner, between points in line, is an ear without area. Any
+  /// other corner keeps the surface closed, too.
+  [[nodiscard]] std::size_t best_without_ear(std::size_t first) const {
+    std::size_t best = first;
+    std::size_t node = first;
+    do {
+      if (turn(node) == 0.0) return node;
+      if (turn(node) > 0.0 && !(turn(best) > 0.0)) best = node;
+      node = next(node);
+    } while (node != first);
+    return best;
+  }
+
   void clip() {
     left_ = 1;
     std::size_t node = 0;
     for (std::size_t i = next(0); i != 0; i = next(i)) ++left_;
     for (std::size_t failures = 0; left_ > 3;) {
-      // Without an ear the loops touch or are degenerate: any corner keeps the surface closed.
+      if (failures > left_) node = best_without_ear(node);
       if (failures > left_ || is_ear(node)) {
         cut(node);
         failures = 0;

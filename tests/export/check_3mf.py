@@ -1,7 +1,7 @@
 """Judges a 3MF file against its build: check_3mf.py BUILD FILE [FIRST LAST].
 
-lib3mf reads it in strict mode (check_3mf.mjs); what is compared is what lib3mf wrote of what it had read. Exit code 77
-says that lib3mf isn't there."""
+lib3mf reads it in strict mode (check_3mf.mjs), and what lib3mf writes of what it has read must be the file's own text to
+the six digits that it gives to slices; that text is compared with the build. Exit code 77 says that lib3mf isn't there."""
 
 import json
 import os
@@ -20,6 +20,24 @@ SLICE = "{http://schemas.microsoft.com/3dmanufacturing/slice/2015/07}"
 BLOCKS = 64
 
 
+def model_of(path):
+    with zipfile.ZipFile(path) as package:
+        name = next(n for n in package.namelist() if n.endswith(".model"))
+        return ET.fromstring(package.read(name))
+
+
+def compare_models(ours, theirs, slack):
+    """The same slices and the same mesh, object by object."""
+    for kind in ("vertex", "triangle"):
+        a, b = (np.array([[float(v) for v in e.attrib.values()][:3] for e in model.iter(CORE + kind)])
+                for model in (ours, theirs))
+        assert a.shape == b.shape and np.max(np.abs(a - b)) <= slack, kind
+    a, b = ([[float(v.get("x")), float(v.get("y"))] for v in model.iter(SLICE + "vertex")] for model in (ours, theirs))
+    assert len(a) == len(b) and np.max(np.abs(np.array(a) - np.array(b))) <= slack, "vertices of slices"
+    a, b = ([s.get("v2") for s in model.iter(SLICE + "segment")] for model in (ours, theirs))
+    assert a == b, "segments of slices"
+
+
 def read_with_lib3mf(path):
     script = os.path.join(os.path.dirname(os.path.abspath(__file__)), "check_3mf.mjs")
     with tempfile.TemporaryDirectory() as folder:
@@ -28,9 +46,7 @@ def read_with_lib3mf(path):
         if run.returncode == 77:
             sys.exit(77)
         assert run.returncode == 0, run.stderr
-        with zipfile.ZipFile(again) as package:
-            name = next(n for n in package.namelist() if n.endswith(".model"))
-            return json.loads(run.stdout), ET.fromstring(package.read(name))
+        return json.loads(run.stdout), model_of(again)
 
 
 def slices_of(stack):
@@ -74,7 +90,8 @@ def main():
     build = Build(sys.argv[1])
     first, last = [int(a) for a in sys.argv[3:5]] or (0, len(build.layers))
     layers = build.layers[first:last]
-    seen, model = read_with_lib3mf(sys.argv[2])
+    model = model_of(sys.argv[2])
+    seen, again = read_with_lib3mf(sys.argv[2])
     bases = [b for b in model.iter(CORE + "base")]
     assert [b.get("name") for b in bases] == build.materials
     for base, color in zip(bases, build.colors):
@@ -82,14 +99,19 @@ def main():
     stacks = {s.get("id"): slices_of(s) for s in model.iter(SLICE + "slicestack")}
     objects = {int(o.get("pindex")): o for o in model.iter(CORE + "object")}
     assert len(list(model.iter(CORE + "item"))) == len(objects) == len(seen)
-    rounding = 2.0 ** -22 * max(np.max(np.abs(l[3])) for layer in layers for l in layer.loops)
+    # lib3mf keeps 32-bit floats.
+    reach = max(np.max(np.abs(l[3])) for layer in layers for l in layer.loops)
+    reach = max(reach, abs(layers[0].z_bottom), abs(layers[-1].z_top))
+    rounding = 1e-6 + 2.0 ** -23 * reach
+    compare_models(model, again, 1e-5 * reach)
     polygons_of = [{} for _ in layers]
     for material, found in zip(sorted(objects), seen):
         assert found["name"] == build.materials[material] and found["closed"] and found["valid"] and found["lowres"]
         bottom, slices = stacks[objects[material].get(SLICE + "slicestackid")]
-        assert abs(bottom - layers[0].z_bottom) <= rounding and len(slices) == len(layers) == len(found["slices"])
+        assert abs(found["bottom"] - layers[0].z_bottom) <= rounding and abs(bottom - layers[0].z_bottom) <= rounding
+        assert len(slices) == len(layers) == len(found["slices"])
         for k, (layer, (z_top, polygons)) in enumerate(zip(layers, slices)):
-            assert abs(z_top - layer.z_top) <= rounding
+            assert abs(z_top - layer.z_top) <= rounding and abs(found["slices"][k][0] - layer.z_top) <= rounding
             assert found["slices"][k][1:] == [sum(len(p) for p in polygons), len(polygons)]
             polygons_of[k][material] = polygons
         areas = [sum(area(p) for p in polygons) for _, polygons in slices]

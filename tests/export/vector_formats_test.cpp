@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <regex>
 #include <string>
+#include <vector>
 
 #include "tests/support/command.h"
 #include "tests/support/paths.h"
@@ -15,6 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using ::testing::StartsWith;
 
 std::string step_of(const std::string& name) {
@@ -282,6 +284,38 @@ TEST_F(VectorFormat, StepOfALayerRangeHasItsOwnLayers) {
 }
 
 TEST_F(VectorFormat, StepNeedsContours) { expect_contours_needed("step"); }
+
+/// Names in the folder of the outputs but the build's.
+std::vector<std::string> left_in(const fs::path& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    const std::string name = fs::relative(entry.path(), folder).string();
+    if (name.substr(0, 5) != "build" && entry.is_regular_file()) names.push_back(name);
+  }
+  return names;
+}
+
+TEST_F(VectorFormat, AFullDiskLeavesNothingAndSaysSo) {
+  slice("overmoulded_grip", "--layer-height 8 --pitch 1 --contours");
+  for (const char* format : {"svg", "cli", "cli-binary", "slc", "3mf", "vtp", "step"}) {
+    // A limit on the size of files stands for the disk's end; the signal that comes with it is ignored.
+    const CommandResult run =
+        run_command("bash -c \"trap '' XFSZ; ulimit -f 4; exec " + lamella_binary().string() + " export " +
+                    path("build").string() + " --to " + format + " -o " + path("out").string() + "\"");
+    EXPECT_EQ(run.exit_code, 4) << format << run.errors;
+    EXPECT_THAT(left_in(path("")), IsEmpty()) << format;
+  }
+}
+
+TEST_F(VectorFormat, TheSameBuildGivesTheSameBytes) {
+  slice("interpenetrating_bodies", "--layer-height 4 --pitch 0.5 --contours");
+  for (const char* format : {"cli", "cli-binary", "3mf", "step"}) {
+    EXPECT_EQ(export_to(format, "first").exit_code, 0);
+    EXPECT_EQ(export_to(format, "second").exit_code, 0);
+    // The file's own name stands in a STEP file.
+    EXPECT_EQ(std::regex_replace(read("first"), std::regex("'first'"), "'second'"), read("second")) << format;
+  }
+}
 
 }  // namespace
 }  // namespace lamella::test
