@@ -5,11 +5,17 @@
 
 #include "apps/options.h"
 #include "core/error.h"
+#include "export/cli_sink.h"
 #include "export/dither_sink.h"
 #include "export/gcode_sink.h"
 #include "export/grey_png_stack.h"
 #include "export/png_stack.h"
+#include "export/slc_sink.h"
+#include "export/step_sink.h"
+#include "export/svg_sink.h"
+#include "export/threemf_sink.h"
 #include "export/vdb/vdb_sink.h"
+#include "export/vtp_sink.h"
 #include "export/xml_slices.h"
 #include "slicing/store/store.h"
 
@@ -34,6 +40,20 @@ constexpr std::array kFormats{
            [](const Path& path, const FormatOptions& options) {
              return make_xml_sink(path, options.xml_text ? XmlPayload::text : XmlPayload::binary);
            }},
+    Format{"svg", "contours, one picture per layer", true, false,
+           [](const Path& path, const FormatOptions&) { return make_svg_sink(path); }, Contours::needed},
+    Format{"cli", "CLI 2.0 layers: hatches and contours", false, false,
+           [](const Path& path, const FormatOptions&) { return make_cli_sink(path); }, Contours::used},
+    Format{"cli-binary", "the same in the binary form", false, false,
+           [](const Path& path, const FormatOptions&) { return make_binary_cli_sink(path); }, Contours::used},
+    Format{"slc", "SLC 2.0 contours, one file per material", true, false,
+           [](const Path& path, const FormatOptions&) { return make_slc_sink(path); }, Contours::needed},
+    Format{"3mf", "3MF with slices, one object per material", false, false,
+           [](const Path& path, const FormatOptions&) { return make_3mf_sink(path); }, Contours::needed},
+    Format{"vtp", "VTK lines of segments and contours, one file per layer", true, false,
+           [](const Path& path, const FormatOptions&) { return make_vtp_sink(path); }, Contours::used},
+    Format{"step", "STEP wireframe of contours by layer and material", false, false,
+           [](const Path& path, const FormatOptions&) { return make_step_sink(path); }, Contours::needed},
     Format{"gcode", "multi-tool raster G-code", false, false,
            [](const Path& path, const FormatOptions& options) {
              return make_gcode_sink(path, {read_plan_xml(*options.plan), read_machine(*options.machine)});

@@ -28,6 +28,13 @@ struct Output {
   std::filesystem::path path;
 };
 
+/// What a format makes of contours.
+enum class Contours {
+  none,
+  used,   ///< when the build has them
+  needed  ///< can't be written without
+};
+
 /// One format that can be written.
 struct Format {
   const char* name;
@@ -35,6 +42,7 @@ struct Format {
   bool is_folder;             ///< of several files, else one file
   bool has_single_materials;  ///< a voxel has one material, so that graded materials may be dithered
   std::unique_ptr<LayerSink> (*make)(const std::filesystem::path& path, const FormatOptions& options);
+  Contours contours = Contours::none;  ///< made without being asked for when a run writes the format
 };
 
 /// The formats that can be written now, in the order of docs/command.md.

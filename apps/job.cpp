@@ -153,9 +153,15 @@ std::vector<const CLI::Option*> job_options(const CLI::App& slice) {
   return options;
 }
 
+/// An option's name as an attribute; names in XML don't begin with a digit.
+std::string attribute_of(const CLI::Option& option) {
+  const std::string& name = option.get_lnames().front();
+  return name.front() >= '0' && name.front() <= '9' ? "_" + name : name;
+}
+
 void refuse_unknown_attributes(const XmlElement& element, const CLI::App& slice) {
   std::vector<std::string> known;
-  for (const CLI::Option* option : job_options(slice)) known.push_back(option->get_lnames().front());
+  for (const CLI::Option* option : job_options(slice)) known.push_back(attribute_of(*option));
   std::string list;
   for (const std::string& name : known) list += (list.empty() ? "" : ", ") + name;
   for (const std::string& name : element.attributes()) {
@@ -171,8 +177,9 @@ std::vector<Job::Option> read_options(const XmlElement& element, const fs::path&
   std::vector<Job::Option> options;
   for (const CLI::Option* option : job_options(slice)) {
     const std::string name = option->get_lnames().front();
-    if (!element.has(name.c_str())) continue;
-    std::string value = is_switch(*option) ? read_switch(element, name) : element.attribute(name.c_str());
+    const std::string attribute = attribute_of(*option);
+    if (!element.has(attribute.c_str())) continue;
+    std::string value = is_switch(*option) ? read_switch(element, attribute) : element.attribute(attribute.c_str());
     if (is_switch(*option) && value.empty()) continue;
     if (is_path(name) && !value.empty()) value = beside(job, value).string();
     options.push_back({"--" + name, std::move(value), element.where()});

@@ -12,6 +12,9 @@ namespace {
 
 constexpr double kMmPerInch = 25.4;
 
+/// mm, of contours that nobody gave a chord error.
+constexpr const char* kChordError = "0.01";
+
 /// One number for both axes, or two with a comma between, all positive.
 Vec2 parse_one_or_two(const char* option, const std::string& text) {
   if (text.find(',') == std::string::npos) return Vec2::Constant(parse_positive(option, text));
@@ -60,6 +63,28 @@ PlanOptions read_plan(const CLI::App& verb) {
   return plan;
 }
 
+/// The chord error of contours, if they are asked for: by their option, or by a format that has them.
+std::optional<double> read_contours(const CLI::App& verb, const SliceRequest& request) {
+  const bool can_have = request.slice.engine == EngineKind::span && !request.slice.allow_open;
+  // Without a number it is empty, or "true" in a job.
+  if (const auto chord = given(verb, "--contours")) {
+    if (request.slice.engine != EngineKind::span) {
+      throw UsageError("only the span engine makes contours", "--contours", "leave out --engine reference");
+    }
+    return parse_positive("--contours", chord->empty() || *chord == "true" ? kChordError : *chord);
+  }
+  for (const Output& output : request.outputs) {
+    const Format* format = find_format(output.format);
+    if (format == nullptr || format->contours == Contours::none) continue;
+    if (format->contours == Contours::needed && request.slice.engine != EngineKind::span) {
+      throw UsageError(output.format + " needs contours, which only the span engine makes", "--" + output.format,
+                       "leave out --engine reference");
+    }
+    if (format->contours == Contours::needed || can_have) return parse_positive("--contours", kChordError);
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 void add_slice_options(CLI::App& verb) {
@@ -72,6 +97,8 @@ void add_slice_options(CLI::App& verb) {
   add_value(verb, "--hatch-spacing", "also hatch rows at this distance", "MM");
   add_value(verb, "--hatch-angle", "of the first layer's hatch rows, degree", "DEG");
   add_value(verb, "--rotate-per-layer", "further angle of each layer's hatch rows, degree", "DEG");
+  add_value(verb, "--contours", "also contours, this far from the exact sections (without a number: 0.01)", "[MM]")
+      ->expected(0, 1);
   add_value(verb, "--materials", "materials and their rules (default: what the STEP file says)", "M.xml");
   add_value(verb, "--machine", "take pitch and layer height from a machine, where they aren't given", "X.xml");
   add_overlap_option(verb);
@@ -134,6 +161,7 @@ SliceRequest read_slice_request(CLI::App& verb, const std::vector<std::string>& 
   if (const auto gap = given(verb, "--gap-tolerance"))
     request.slice.gap_tolerance = parse_positive("--gap-tolerance", *gap);
   request.slice.allow_open = verb.count("--allow-open") > 0;
+  request.plan.chord_error = read_contours(verb, request);
   request.dry_run = verb.count("--dry-run") > 0;
   return request;
 }

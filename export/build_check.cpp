@@ -79,6 +79,7 @@ std::string find_layer_fault(const Layer& layer, const BuildInfo& info) {
   if (static_cast<std::int64_t>(layer.raster.rows()) != info.plan.grid.size[1]) {
     return "the number of raster rows is not that of the grid";
   }
+  if (layer.contours.has_value() != info.plan.chord_error.has_value()) return "its contours are not those of the plan";
   if (!layer.hatch) return {};
   if (!std::isfinite(layer.hatch->angle) || !std::isfinite(layer.hatch->spacing)) return "the hatch is not finite";
   const std::string fault = find_rows_fault(layer.hatch->rows, info);

@@ -21,7 +21,7 @@ namespace {
 constexpr std::string_view kMaterialsHeader = "value,name,folder,density_g_cm3,red,green,blue";
 constexpr std::string_view kLayersHeader = "index,z_bottom,z_sample,z_top,file";
 constexpr std::string_view kGridHeader = "axis,origin_mm,pitch_mm,size";
-constexpr std::array<std::string_view, 3> kTables = {"materials.csv", "grid.csv", "layers.csv"};
+constexpr std::array<std::string_view, 4> kTables = {"materials.csv", "grid.csv", "layers.csv", "layers.pvd"};
 
 /// A field of a comma-separated table, quoted when it has to be (RFC 4180).
 std::string csv_field(const std::string& text) {

@@ -52,6 +52,7 @@ void MixedRowReader::sample(const Mixtures& mixtures, std::size_t g, const Pixel
 PlainBuild plain_build(const BuildInfo& info) {
   PlainBuild plain{info, {}};
   plain.info.plan.hatch.reset();
+  plain.info.plan.chord_error.reset();
   plain.info.materials = {};
   for (const Material& material : info.materials) {
     plain.ids.push_back(plain.info.materials.size());

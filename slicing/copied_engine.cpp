@@ -21,6 +21,8 @@ struct Renaming {
   SolidId first;              ///< the lowest id of the first copy's solids
   std::vector<Solid> solids;  ///< by id of the first copy's less `first`
 
+  [[nodiscard]] SolidId renamed(SolidId id) const { return solids[id.value() - first.value()].id; }
+
   void rename(Span& span) const {
     const Solid& solid = solids[span.solid.value() - first.value()];
     span.solid = solid.id;
@@ -135,10 +137,41 @@ class CopiedPart {
     }
   }
 
+  [[nodiscard]] bool has_contours() const { return engine_.contours != nullptr; }
+
+  /// The first copy's loops, shifted to every copy.
+  void add_contours(const Scene& scene, std::span<const LayerRequest> slab, double chord_error,
+                    std::span<CutContours> out) const {
+    std::vector<CutContours> first(slab.size());
+    engine_.contours(slab, chord_error, first);
+    for (std::size_t i = 0; i < slab.size(); ++i) {
+      for (std::size_t copy = 0; copy < copied_.copies.size(); ++copy) {
+        append_shifted(first[i].contours, copy, out[i].contours);
+      }
+      add_to_copies(scene, first[i].findings, out[i].findings);
+    }
+  }
+
   /// What the engine found, said of every copy.
   void add_findings(const Scene& scene, std::vector<Finding>& out) const {
-    if (!engine_.findings) return;
-    const std::vector<Finding> found = engine_.findings();
+    if (engine_.findings) add_to_copies(scene, engine_.findings(), out);
+  }
+
+ private:
+  void append_shifted(const LayerContours& first, std::size_t copy, LayerContours& out) const {
+    const auto base = static_cast<std::int32_t>(out.loops.size());
+    std::vector<Vec2> polygon;
+    for (std::size_t i = 0; i < first.loops.size(); ++i) {
+      ContourLoop loop = first.loops[i];
+      loop.solid = renamings_[copy].renamed(loop.solid);
+      if (loop.parent >= 0) loop.parent += base;
+      polygon.assign(first.polygon(i).begin(), first.polygon(i).end());
+      for (Vec2& point : polygon) point += copied_.offsets[copy];
+      out.add(loop, polygon);
+    }
+  }
+
+  void add_to_copies(const Scene& scene, const std::vector<Finding>& found, std::vector<Finding>& out) const {
     for (const Cluster& copy : copied_.copies) {
       for (Finding finding : found) {
         for (std::size_t i = 0; i < copy.solids.size(); ++i) {
@@ -151,7 +184,6 @@ class CopiedPart {
     }
   }
 
- private:
   /// The rows of `lattice` that may meet a copy, as the first copy sees them.
   [[nodiscard]] RowLattice lattice_of(const RowLattice& lattice, std::size_t copy) const {
     const Interval range = lattice.range_of(copied_.copies[copy].bounds);
@@ -227,6 +259,18 @@ class CopiedEngine {
     }
   }
 
+  [[nodiscard]] bool has_contours() const {
+    return (!rest_.cut || rest_.contours) &&
+           std::all_of(parts_.begin(), parts_.end(), [](const CopiedPart& part) { return part.has_contours(); });
+  }
+
+  void add_contours(const Scene& scene, std::span<const LayerRequest> slab, double chord_error,
+                    std::span<CutContours> out) const {
+    if (rest_.cut) rest_.contours(slab, chord_error, out);
+    for (const CopiedPart& part : parts_) part.add_contours(scene, slab, chord_error, out);
+    for (CutContours& layer : out) sort_loops(layer.contours);
+  }
+
   [[nodiscard]] std::vector<Finding> findings(const Scene& scene) const {
     std::vector<Finding> all;
     if (rest_.findings) all = rest_.findings();
@@ -245,8 +289,16 @@ SlabEngine make_copied_engine(const Scene& scene, std::span<const SolidId> solid
                               const EngineMaker& make) {
   if (copies.empty()) return make(solids);
   const auto engine = std::make_shared<const CopiedEngine>(scene, solids, std::move(copies), make);
-  return {[engine](std::span<const LayerRequest> slab, std::span<LayerSpans> out) { engine->cut(slab, out); },
-          kSlabLayers, [engine, &scene] { return engine->findings(scene); }};
+  SlabEngine result;
+  result.cut = [engine](std::span<const LayerRequest> slab, std::span<LayerSpans> out) { engine->cut(slab, out); };
+  if (engine->has_contours()) {
+    result.contours = [engine, &scene](std::span<const LayerRequest> slab, double chord_error,
+                                       std::span<CutContours> out) {
+      engine->add_contours(scene, slab, chord_error, out);
+    };
+  }
+  result.findings = [engine, &scene] { return engine->findings(scene); };
+  return result;
 }
 
 }  // namespace lamella

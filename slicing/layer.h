@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "core/geometry.h"
 #include "core/ids.h"
 
 namespace lamella {
@@ -65,6 +66,34 @@ struct HatchRows {
   bool operator==(const HatchRows&) const = default;
 };
 
+/// One closed loop of a solid's section, material on its left.
+struct ContourLoop {
+  SolidId solid;
+  std::int32_t parent = -1;  ///< the smallest loop of the other kind around it, by number in the layer; -1 if none
+  double area = 0.0;         ///< mm^2, of the exact loop: positive for outer loops, negative for holes
+
+  bool operator==(const ContourLoop&) const = default;
+};
+
+/// Sections of whole solids as polygons, before priorities: where solids overlap, so do their loops. Loops ascend by
+/// solid; loop i has the points [point_start[i], point_start[i + 1]), three at least, the last joins the first.
+struct LayerContours {
+  std::vector<ContourLoop> loops;
+  std::vector<std::uint64_t> point_start{0};
+  std::vector<Vec2> points;  ///< mm
+
+  [[nodiscard]] std::span<const Vec2> polygon(std::size_t loop) const {
+    return {points.data() + point_start[loop], points.data() + point_start[loop + 1]};
+  }
+  /// Adds a loop at the end.
+  void add(const ContourLoop& loop, std::span<const Vec2> polygon) {
+    loops.push_back(loop);
+    points.insert(points.end(), polygon.begin(), polygon.end());
+    point_start.push_back(points.size());
+  }
+  bool operator==(const LayerContours&) const = default;
+};
+
 /// One layer of labelled segments: the exchange format, and the only thing exporters read.
 struct Layer {
   std::uint32_t index = 0;
@@ -73,6 +102,7 @@ struct Layer {
   double z_top = 0.0;
   SegmentRows raster;  ///< one row per raster line, j ascending with y
   std::optional<HatchRows> hatch;
+  std::optional<LayerContours> contours;  ///< at z_sample
 
   bool operator==(const Layer&) const = default;
 };

@@ -57,6 +57,35 @@ std::optional<std::string> find_rows_fault(const SegmentRows& rows, const LayerL
   return lamella::find_mixtures_fault(rows, limits);
 }
 
+std::optional<std::string> find_loop_fault(const LayerContours& contours, std::size_t i, const LayerLimits& limits) {
+  const ContourLoop& loop = contours.loops[i];
+  if (!(loop.solid.value() < limits.solids)) return "a solid id is out of range";
+  if (i > 0 && loop.solid < contours.loops[i - 1].solid) return "loops are out of order";
+  if (!std::isfinite(loop.area)) return "an area is not finite";
+  if (loop.parent < -1 || loop.parent >= static_cast<std::int64_t>(contours.loops.size())) {
+    return "a loop's parent is out of range";
+  }
+  if (loop.parent >= 0) {
+    const ContourLoop& parent = contours.loops[static_cast<std::size_t>(loop.parent)];
+    if (parent.solid != loop.solid || (parent.area > 0.0) == (loop.area > 0.0)) return "a loop has a wrong parent";
+  }
+  for (const Vec2& point : contours.polygon(i)) {
+    if (!point.allFinite()) return "a point is not finite";
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> find_contour_fault(const LayerContours& contours, const LayerLimits& limits) {
+  if (!is_start_list(contours.point_start, contours.loops.size(), contours.points.size())) {
+    return "the points of loops aren't in order";
+  }
+  for (std::size_t i = 0; i < contours.loops.size(); ++i) {
+    if (contours.point_start[i + 1] - contours.point_start[i] < 3) return "a loop has less than three points";
+    if (auto fault = find_loop_fault(contours, i, limits)) return *fault + " in loop " + std::to_string(i);
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 LayerLimits make_layer_limits(std::int64_t rows, const IdVector<MaterialId, Material>& materials, std::size_t solids) {
@@ -96,6 +125,9 @@ std::optional<std::string> find_layer_fault(const Layer& layer, const LayerLimit
     return "it has " + std::to_string(layer.raster.rows()) + " rows instead of " + std::to_string(limits.rows);
   }
   if (auto fault = find_rows_fault(layer.raster, limits)) return fault;
+  if (layer.contours) {
+    if (auto fault = find_contour_fault(*layer.contours, limits)) return std::string("contours: ").append(*fault);
+  }
   if (!layer.hatch) return std::nullopt;
   if (!std::isfinite(layer.hatch->angle) || !(layer.hatch->spacing > 0.0)) return "its hatch lattice is not finite";
   if (auto fault = find_rows_fault(layer.hatch->rows, limits)) return std::string("hatch: ").append(*fault);

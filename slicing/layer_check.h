@@ -27,8 +27,8 @@ struct LayerLimits {
 [[nodiscard]] std::optional<std::string> find_mixtures_fault(const SegmentRows& rows, const LayerLimits& limits);
 
 /// The first thing wrong with `layer`, or nothing: heights that do not ascend, row starts that are not monotone or do
-/// not end at the number of segments, segments that are empty, not finite or not in order, ids out of range, and
-/// find_mixtures_fault().
+/// not end at the number of segments, segments that are empty, not finite or not in order, loops of contours that are
+/// out of order or too short, ids out of range, and find_mixtures_fault().
 [[nodiscard]] std::optional<std::string> find_layer_fault(const Layer& layer, const LayerLimits& limits);
 
 }  // namespace lamella

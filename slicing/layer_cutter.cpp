@@ -5,8 +5,6 @@
 #include <string>
 #include <utility>
 
-#include "slicing/slab_engine.h"
-
 namespace lamella {
 
 namespace {
@@ -43,7 +41,7 @@ void begin_layer(const LayerPlan& plan, std::size_t index, const LayerRequest& r
 
 }  // namespace
 
-LayerCutter::LayerCutter(const SlabFunction& engine, const Scene& scene, const MaterialTable& table,
+LayerCutter::LayerCutter(const SlabEngine& engine, const Scene& scene, const MaterialTable& table,
                          const IdVector<SolidId, SolidMeasure>& measures, const LayerPlan& plan,
                          std::vector<SolidId> solids, const Interfaces& interfaces, const Mixer& mixer)
     : engine_(engine),
@@ -103,13 +101,23 @@ void LayerCutter::cut(std::size_t first_layer, std::span<CutLayer> out, Workspac
   for (std::size_t i = 0; i < out.size(); ++i) workspace.requests.push_back(request_of(first_layer + i));
   if (!workspace.mixing) workspace.mixing.emplace(mixer_);
   make_layer_spans(workspace.requests, workspace.spans);
-  engine_(workspace.requests, workspace.spans);
+  engine_.cut(workspace.requests, workspace.spans);
+  if (plan_.chord_error) cut_contours(out, workspace);
   for (std::size_t i = 0; i < out.size(); ++i) {
     combine(workspace.requests[i], workspace.spans[i], workspace, out[i]);
     if (const auto fault = find_layer_fault(out[i].layer, limits_)) {
       throw GeometryError("layer " + std::to_string(first_layer + i) + " came out malformed: " + *fault, {},
                           "please report this");
     }
+  }
+}
+
+void LayerCutter::cut_contours(std::span<CutLayer> out, Workspace& workspace) const {
+  workspace.contours.assign(out.size(), {});
+  engine_.contours(workspace.requests, *plan_.chord_error, workspace.contours);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    out[i].layer.contours = std::move(workspace.contours[i].contours);
+    out[i].contour_findings = std::move(workspace.contours[i].findings);
   }
 }
 

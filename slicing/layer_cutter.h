@@ -13,6 +13,7 @@
 #include "slicing/layer_plan.h"
 #include "slicing/mixer.h"
 #include "slicing/slab.h"
+#include "slicing/slab_engine.h"
 
 namespace lamella {
 
@@ -24,6 +25,7 @@ struct CutLayer {
   std::vector<FailedCheck> failed;
   LayerLengths lengths;
   MixFaults mixing;  ///< both lattices
+  std::vector<Finding> contour_findings;
 };
 
 /// Cuts slabs of layers: asks the engine for spans and combines the spans of every row into segments.
@@ -39,10 +41,12 @@ class LayerCutter {
     std::vector<Span> filled_row;
     DeepestOverlaps deepest;
     std::optional<Mixer::Workspace> mixing;
+    std::vector<CutContours> contours;
   };
 
-  /// `solids` are those to cut, all with finite bounds; everything referred to must outlive the cutter.
-  LayerCutter(const SlabFunction& engine, const Scene& scene, const MaterialTable& table,
+  /// `solids` are those to cut, all with finite bounds; the engine makes contours if the plan has them. Everything
+  /// referred to must outlive the cutter.
+  LayerCutter(const SlabEngine& engine, const Scene& scene, const MaterialTable& table,
               const IdVector<SolidId, SolidMeasure>& measures, const LayerPlan& plan, std::vector<SolidId> solids,
               const Interfaces& interfaces, const Mixer& mixer);
 
@@ -57,9 +61,10 @@ class LayerCutter {
   template <class Measure>
   void combine_rows(double z, const RowLattice& lattice, const SpanRows& spans, Workspace& workspace, SegmentRows& out,
                     const Measure& measure) const;
+  void cut_contours(std::span<CutLayer> out, Workspace& workspace) const;
   void combine(const LayerRequest& request, const LayerSpans& spans, Workspace& workspace, CutLayer& out) const;
 
-  const SlabFunction& engine_;
+  const SlabEngine& engine_;
   const IdVector<SolidId, SolidMeasure>& measures_;
   const LayerPlan& plan_;
   const Interfaces& interfaces_;

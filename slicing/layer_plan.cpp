@@ -20,6 +20,8 @@ constexpr std::int64_t kMaxVoxels = std::numeric_limits<std::int32_t>::max();
 constexpr std::int64_t kMaxLines = 10'000'000;
 /// A thousand kilometres in mm: beyond it, products of coordinates are of no use to anyone downstream.
 constexpr double kFarthest = 1e9;
+/// A nanometre: what contours are joined and subtracted at (docs/methods/material-contours.md).
+constexpr double kFinestChord = 1e-6;  // mm
 
 const char* axis_name(int axis) {
   constexpr const char* kNames[] = {"x", "y", "z"};
@@ -125,6 +127,12 @@ void check_hatch(const HatchLattice& hatch, const Box3& bounds) {
   }
 }
 
+void check_chord_error(double chord_error) {
+  if (chord_error >= kFinestChord && std::isfinite(chord_error)) return;
+  throw UsageError("the chord error of contours must be finite and at least " + show(kFinestChord) + " mm", {},
+                   "give a length in mm");
+}
+
 }  // namespace
 
 LayerPlan plan_layers(const Box3& bounds, const PlanOptions& options) {
@@ -139,6 +147,8 @@ LayerPlan plan_layers(const Box3& bounds, const PlanOptions& options) {
   }
   if (options.hatch) check_hatch(*options.hatch, bounds);
   plan.hatch = options.hatch;
+  if (options.chord_error) check_chord_error(*options.chord_error);
+  plan.chord_error = options.chord_error;
 
   // One expression for every height, so that the top of a layer is the bottom of the next bit for bit.
   const auto height = [&](double k) { return plan.grid.origin.z() + k * plan.grid.pitch.z(); };

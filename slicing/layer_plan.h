@@ -35,6 +35,7 @@ struct LayerPlan {
   Grid grid;
   std::vector<LayerSpan> layers;  ///< ascending, contiguous
   std::optional<HatchLattice> hatch;
+  std::optional<double> chord_error;  ///< of contours, if layers have them: mm between polygon and exact section
 
   [[nodiscard]] double row_y(std::int64_t row) const { return grid.origin.y() + (row + 0.5) * grid.pitch.y(); }
 };
@@ -44,6 +45,7 @@ struct PlanOptions {
   std::optional<Vec2> pitch;           ///< mm (x, y); default: about 1000 rows, rounded to 1-2-5
   std::optional<Vec3> origin;          ///< default: the lower bounds
   std::optional<HatchLattice> hatch;
+  std::optional<double> chord_error;  ///< mm; layers get contours
 };
 
 /// Lays the lattices over exact bounds. Throws UsageError when a pitch isn't positive and finite, when the origin lies

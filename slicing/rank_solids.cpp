@@ -1,7 +1,11 @@
+#include "slicing/rank_solids.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <string_view>
 
 #include "slicing/combine.h"
 
@@ -23,30 +27,55 @@ std::array<double, 6> corners(const Box3& box) {
   return {box.min().x(), box.min().y(), box.min().z(), box.max().x(), box.max().y(), box.max().z()};
 }
 
+/// What decides who wins.
+struct Standing {
+  int priority = 0;
+  double volume = 0.0;  ///< mm^3, rounded
+  std::string_view path;
+  std::array<double, 6> corners{};
+};
+
+bool loses_to(const Standing& a, const Standing& b) {
+  if (a.priority != b.priority) return a.priority < b.priority;
+  if (a.volume != b.volume) return a.volume > b.volume;
+  const int paths = a.path.compare(b.path);
+  if (paths != 0) return paths > 0;
+  return a.corners > b.corners;
+}
+
+IdVector<SolidId, int> rank(const std::vector<Standing>& standings) {
+  std::vector<std::size_t> order(standings.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    if (loses_to(standings[a], standings[b])) return true;
+    return !loses_to(standings[b], standings[a]) && a > b;
+  });
+  IdVector<SolidId, int> ranks(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) ranks[SolidId{order[i]}] = static_cast<int>(i);
+  return ranks;
+}
+
 }  // namespace
 
 IdVector<SolidId, int> rank_solids(const Scene& scene, const MaterialTable& table,
                                    const IdVector<SolidId, SolidMeasure>& measures) {
-  std::vector<SolidId> order;
-  for (const SolidId solid : scene.solids.ids()) order.push_back(solid);
-  const auto loses_to = [&](SolidId a, SolidId b) {
-    const int priority_a = table.assignments[a].priority;
-    const int priority_b = table.assignments[b].priority;
-    if (priority_a != priority_b) return priority_a < priority_b;
-    const double volume_a = rounded_volume(measures[a].volume);
-    const double volume_b = rounded_volume(measures[b].volume);
-    if (volume_a != volume_b) return volume_a > volume_b;
-    const int paths = scene.solids[a].info.path.compare(scene.solids[b].info.path);
-    if (paths != 0) return paths > 0;
-    const auto corners_a = corners(measures[a].bounds);
-    const auto corners_b = corners(measures[b].bounds);
-    if (corners_a != corners_b) return corners_a > corners_b;
-    return a > b;
-  };
-  std::sort(order.begin(), order.end(), loses_to);
-  IdVector<SolidId, int> rank(scene.solids.size());
-  for (std::size_t i = 0; i < order.size(); ++i) rank[order[i]] = static_cast<int>(i);
-  return rank;
+  std::vector<Standing> standings;
+  for (const SolidId solid : scene.solids.ids()) {
+    standings.push_back({table.assignments[solid].priority, rounded_volume(measures[solid].volume),
+                         scene.solids[solid].info.path, corners(measures[solid].bounds)});
+  }
+  return rank(standings);
+}
+
+IdVector<SolidId, int> rank_solids(const BuildInfo& info) {
+  constexpr double kUnknown = std::numeric_limits<double>::infinity();
+  std::vector<Standing> standings;
+  for (const BuildSolid& solid : info.solids) {
+    // A build says 0 of a volume that isn't known.
+    const double volume = solid.volume_exact == 0.0 ? kUnknown : rounded_volume(solid.volume_exact);
+    standings.push_back({solid.priority, volume, solid.path, corners(solid.bounds)});
+  }
+  return rank(standings);
 }
 
 }  // namespace lamella

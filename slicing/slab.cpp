@@ -1,7 +1,9 @@
 #include "slicing/slab.h"
 
 #include <algorithm>
+#include <numeric>
 #include <string>
+#include <utility>
 
 #include "core/error.h"
 
@@ -34,6 +36,22 @@ void note_failed(std::vector<FailedCheck>& failed, const FailedCheck& more) {
     return;
   }
   failed.push_back(more);
+}
+
+void sort_loops(LayerContours& contours) {
+  std::vector<std::size_t> order(contours.loops.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto solid_of = [&](std::size_t loop) { return contours.loops[loop].solid; };
+  std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return solid_of(a) < solid_of(b); });
+  std::vector<std::int32_t> place(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) place[order[i]] = static_cast<std::int32_t>(i);
+  LayerContours sorted;
+  for (const std::size_t i : order) {
+    ContourLoop loop = contours.loops[i];
+    if (loop.parent >= 0) loop.parent = place[static_cast<std::size_t>(loop.parent)];
+    sorted.add(loop, contours.polygon(i));
+  }
+  contours = std::move(sorted);
 }
 
 void check_layer_spans(const LayerRequest& request, const LayerSpans& spans) {

@@ -6,8 +6,10 @@
 #include <span>
 #include <vector>
 
+#include "core/error.h"
 #include "core/geometry.h"
 #include "slicing/hit.h"
+#include "slicing/layer.h"
 
 namespace lamella {
 
@@ -85,9 +87,23 @@ inline constexpr std::size_t kSlabLayers = 16;
 /// `out` comes as make_layer_spans() leaves it, perhaps with memory of earlier slabs in it.
 using SlabFunction = std::function<void(std::span<const LayerRequest> slab, std::span<LayerSpans> out)>;
 
+/// The contours of one layer, and what was found on the way.
+struct CutContours {
+  LayerContours contours;
+  std::vector<Finding> findings;
+};
+
+/// What an engine that knows whole sections does besides: appends the loops of its solids, ascending by solid, to
+/// `out`, which has one entry a request. Called as a SlabFunction is.
+using ContourFunction =
+    std::function<void(std::span<const LayerRequest> slab, double chord_error, std::span<CutContours> out)>;
+
 /// Makes `out` ready for an engine: one entry a request with one SpanRows a lattice, all without rows and with counters
 /// at zero.
 void make_layer_spans(std::span<const LayerRequest> slab, std::vector<LayerSpans>& out);
+
+/// Sorts loops by solid, those of a solid in the order in which they are; parents follow.
+void sort_loops(LayerContours& contours);
 
 /// Throws GeometryError if an engine didn't give as many rows as a layer was asked for.
 void check_layer_spans(const LayerRequest& request, const LayerSpans& spans);

@@ -127,7 +127,7 @@ void sort_spans(std::span<Span> row) {
 }
 
 SlabEngine make_ray_engine(CastFunction cast, std::vector<RayTarget> targets, const Progress& progress) {
-  return {RayEngine(std::move(cast), std::move(targets), progress), 1, {}};
+  return {RayEngine(std::move(cast), std::move(targets), progress), {}, 1, {}};
 }
 
 SlabEngine join_engines(SlabEngine first, SlabEngine second) {

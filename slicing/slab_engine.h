@@ -13,6 +13,7 @@ namespace lamella {
 /// An engine as the slicer uses it.
 struct SlabEngine {
   SlabFunction cut;
+  ContourFunction contours;  ///< empty for an engine that can't
   /// Layers a call: kSlabLayers, or 1 for an engine that carries nothing from layer to layer and takes any number.
   std::size_t slab_layers = kSlabLayers;
   std::function<std::vector<Finding>()> findings;  ///< what a user should know, asked after the last slab; may be empty
@@ -33,7 +34,7 @@ struct RayTarget {
 [[nodiscard]] SlabEngine make_ray_engine(CastFunction cast, std::vector<RayTarget> targets,
                                          const Progress& progress = {});
 
-/// An engine for the solids of two engines that have none in common.
+/// An engine for the solids of two engines that have none in common. It makes no contours.
 [[nodiscard]] SlabEngine join_engines(SlabEngine first, SlabEngine second);
 
 /// Sorts the spans of a row as SpanRows wants them: by begin, then end, then solid.

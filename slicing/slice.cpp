@@ -14,6 +14,9 @@ SlabEngine make_span_engine(const Scene& scene, std::span<const SolidId> solids,
   span.threads = options.threads;
   const auto engine = std::make_shared<const SpanEngine>(scene, solids, span, progress);
   return {[engine](std::span<const LayerRequest> slab, std::span<LayerSpans> out) { engine->cut(slab, out); },
+          [engine](std::span<const LayerRequest> slab, double chord_error, std::span<CutContours> out) {
+            engine->add_contours(slab, chord_error, out);
+          },
           kSlabLayers, [engine] { return engine->findings(); }};
 }
 

@@ -32,6 +32,12 @@ void check_policy(const MaterialTable& table, const LayerPlan& plan) {
   }
 }
 
+void check_contours(const SlabEngine& engine, const LayerPlan& plan) {
+  if (!plan.chord_error || engine.contours) return;
+  throw UsageError("contours need the span engine and closed solids", {},
+                   "leave out --engine reference and --allow-open, or the contours");
+}
+
 /// Consecutive layers that are cut together, and what is left to do to write them.
 struct Slab {
   std::vector<CutLayer> layers;
@@ -147,12 +153,13 @@ SliceReport slice_with(const SlabEngine& engine, const Scene& scene, const Mater
   progress.throw_if_cancelled();
   const std::vector<SolidId> solids = choose_solids(scene, measures, options.allow_open);
   check_policy(table, plan);
+  check_contours(engine, plan);
   const Compositions compositions(scene, table);
   const Mixer mixer(compositions, bounds_of(measures, solids));
   const double reach = plan.grid.pitch.head<2>().maxCoeff();
   const Interfaces interfaces(scene, table, measures, solids, {options.gap_tolerance, reach, options.threads},
                               progress);
-  const LayerCutter cutter(engine.cut, scene, table, measures, plan, solids, interfaces, mixer);
+  const LayerCutter cutter(engine, scene, table, measures, plan, solids, interfaces, mixer);
   Tally tally(scene, table, measures, plan, solids, interfaces.contacts());
   try {
     sink.begin(make_build_info(scene, table, measures, plan));

@@ -51,8 +51,8 @@ struct SliceOptions {
 /// The main job: cuts every layer of `plan`, labels the segments, and hands the layers to `sink` in increasing z.
 /// Memory does not grow with the number of layers: two slabs a thread are in it. Same output for any number of threads.
 /// Throws InputError when no solid is left to slice or when policy `error` meets an overlap; UsageError when the
-/// overlap policy can't be kept on the hatch lattice; Cancelled when asked. After Cancelled the sink may keep what is
-/// finished; after any other error sink.abandon() has been called.
+/// overlap policy can't be kept on the hatch lattice or the engine can't make the plan's contours; Cancelled when
+/// asked. After Cancelled the sink may keep what is finished; after any other error sink.abandon() has been called.
 [[nodiscard]] SliceReport slice(const Scene& scene, const MaterialTable& table,
                                 const IdVector<SolidId, SolidMeasure>& measures, const LayerPlan& plan,
                                 const SliceOptions& options, LayerSink& sink, const Progress& progress = {});

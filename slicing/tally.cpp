@@ -62,6 +62,7 @@ void Tally::add(const CutLayer& cut) {
   report_.cast += cut.cast;
   for (const FailedCheck& failed : cut.failed) failed_.add(failed, cut.layer.index, cut.layer.z_sample);
   mixing_ += cut.mixing;
+  for (const Finding& finding : cut.contour_findings) contour_findings_.add(finding);
   if (table_.policy == OverlapPolicy::error) refuse_overlaps(cut);
   const double area = plan_.grid.pitch.y() * (cut.layer.z_top - cut.layer.z_bottom);
   report_.segments += cut.layer.raster.segments.size();
@@ -208,6 +209,7 @@ SliceReport Tally::finish() {
   report_overlaps();
   report_casts();
   report_mixing();
+  contour_findings_.report(report_.findings);
   return std::move(report_);
 }
 

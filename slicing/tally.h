@@ -7,6 +7,7 @@
 
 #include "slicing/compensated_sum.h"
 #include "slicing/contact/contacts.h"
+#include "slicing/contour_findings.h"
 #include "slicing/failed_checks.h"
 #include "slicing/layer_cutter.h"
 #include "slicing/report.h"
@@ -55,6 +56,7 @@ class Tally {
   Pairs overlaps_;
   Pairs gaps_;
   FailedChecks failed_;
+  ContourFindings contour_findings_;
   MixFaults mixing_;
 };
 

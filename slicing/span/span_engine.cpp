@@ -74,8 +74,17 @@ struct SolidSpans {
     }
   }
 
+  /// Whether it may have a section at a height from `from` to `to`.
   [[nodiscard]] bool meets(double from, double to) const { return low <= to && from <= high; }
 };
+
+/// Adds a solid's loops to those of a layer.
+void append_loops(const SectionContours& section, LayerContours& out) {
+  const auto first = static_cast<std::int32_t>(out.loops.size());
+  for (const SectionLoop& loop : section.loops) {
+    out.add({section.solid, loop.parent < 0 ? -1 : first + loop.parent, loop.area}, loop.points);
+  }
+}
 
 /// What is carried through a slab for one solid.
 class SolidSlab {
@@ -203,6 +212,22 @@ void SpanEngine::cut(std::span<const LayerRequest> slab, std::span<LayerSpans> o
     for (std::size_t k = 0; k < slab[i].lattices.size(); ++k) {
       rows.cast(section, slab[i].lattices[k], k, out[i]);
     }
+  }
+}
+
+void SpanEngine::add_contours(std::span<const LayerRequest> slab, double chord_error,
+                              std::span<CutContours> out) const {
+  std::vector<double> heights;
+  for (const LayerRequest& request : slab) heights.push_back(request.z);
+  for (const auto& solid : data_->solids) {
+    if (heights.empty() || !solid->meets(heights.front(), heights.back())) continue;
+    std::size_t i = 0;
+    data_->for_each_section(solid->id, heights, [&](double z, const Section& section) {
+      const SectionContours contours = assemble_contours(*data_->scene, section, {solid->id, z, chord_error});
+      append_loops(contours, out[i].contours);
+      out[i].findings.insert(out[i].findings.end(), contours.findings.begin(), contours.findings.end());
+      ++i;
+    });
   }
 }
 

@@ -52,6 +52,10 @@ class SpanEngine {
   /// Cuts consecutive layers, ascending in z; a SlabFunction.
   void cut(std::span<const LayerRequest> slab, std::span<LayerSpans> out) const;
 
+  /// The contours of all solids on consecutive layers, ascending in z; a ContourFunction. Points as contours() has
+  /// them.
+  void add_contours(std::span<const LayerRequest> slab, double chord_error, std::span<CutContours> out) const;
+
   /// The contours of one of the solids at any height z. No point of a loop lies further than `chord_error` mm (1e-9 at
   /// least) from its polygon, nor the other way round; nodes, where faces meet, are corners of the polygons. Where the
   /// two faces of a node leave a gap, the loop goes straight through the node. Areas are those of the arcs, whatever

@@ -18,12 +18,19 @@ struct MixtureEntry {
   std::uint64_t fractions = 0;
 };
 
+/// How many of each a layer's contours have.
+struct ContourEntry {
+  std::uint64_t loops = 0;
+  std::uint64_t points = 0;
+};
+
 /// Where one layer is in the store and what it must look like.
 struct LayerEntry {
   std::uint64_t segments = 0;
   bool has_hatch = false;
   std::uint64_t hatch_rows = 0;
   std::uint64_t hatch_segments = 0;
+  std::optional<ContourEntry> contours;
   MixtureEntry mixtures;        ///< of the raster
   MixtureEntry hatch_mixtures;  ///< of the hatch
   std::string sha256;           ///< digest_of() the layer

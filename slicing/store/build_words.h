@@ -15,6 +15,7 @@ inline constexpr std::array<std::string_view, 5> kPolicyWords{"priority", "error
 /// Of build.xml; a build without graded materials is what it was before there were any.
 inline constexpr std::string_view kPlainVersion = "1";
 inline constexpr std::string_view kGradedVersion = "1.1";
+inline constexpr std::string_view kContourVersion = "1.2";  ///< with contours, graded or not
 
 /// Numbers of graded segments, knots and fractions of a layer's lattices.
 inline constexpr std::array<const char*, 3> kMixtureNames{"graded_segments", "knots", "fractions"};

@@ -12,6 +12,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "a digest covers little-endian bytes");
 static_assert(sizeof(Segment) == 24 && sizeof(MaterialId) == 4 && sizeof(SolidId) == 4,
               "segments lie in memory as a digest covers them: x_begin, x_end, material, solid");
+static_assert(sizeof(Vec2) == 16, "points lie in memory as a digest covers them: x, y");
 
 /// Feeds numbers to a digest as they lie in memory.
 class DigestStream {
@@ -46,6 +47,17 @@ void put_mixtures(DigestStream& stream, const Mixtures& mixtures) {
   stream.put(std::span(mixtures.fraction));
 }
 
+void put_contours(DigestStream& stream, const LayerContours& contours) {
+  stream.put(static_cast<std::uint64_t>(contours.loops.size()));
+  for (const ContourLoop& loop : contours.loops) {
+    stream.put(loop.solid.value());
+    stream.put(loop.parent);
+    stream.put(loop.area);
+  }
+  stream.put(std::span(contours.point_start));
+  stream.put(std::span(contours.points));
+}
+
 }  // namespace
 
 std::string digest_of(const Layer& layer) {
@@ -62,12 +74,13 @@ std::string digest_of(const Layer& layer) {
     stream.put(static_cast<std::uint64_t>(layer.hatch->first_row));
     put_rows(stream, layer.hatch->rows);
   }
-  // A layer without graded segments has the digest that it had before there were any.
+  // A layer without graded segments or contours has the digest that it had before there were any.
   const bool has_mixtures = !layer.raster.mixtures.empty() || (layer.hatch && !layer.hatch->rows.mixtures.empty());
   if (has_mixtures) {
     put_mixtures(stream, layer.raster.mixtures);
     put_mixtures(stream, layer.hatch ? layer.hatch->rows.mixtures : Mixtures());
   }
+  if (layer.contours) put_contours(stream, *layer.contours);
   return stream.finish();
 }
 

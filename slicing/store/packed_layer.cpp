@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <functional>
 #include <libdeflate.h>
 #include <memory>
 #include <span>
 #include <type_traits>
+#include <utility>
 
 #include "core/error.h"
 
@@ -120,15 +122,9 @@ class Packer {
 
   PackedRows pack(const SegmentRows& rows) {
     PackedRows packed;
-    start<std::uint64_t>(rows.row_start.size());
-    std::copy(rows.row_start.begin(), rows.row_start.end(), elements<std::uint64_t>().begin());
-    packed.push_back(finish<std::uint64_t>("row_start", ElementType::u64, "1"));
-    const auto column = [&]<class Value>(const char* name, ElementType type, const char* unit, const Value& value) {
-      using Bits = std::conditional_t<sizeof(value(Segment())) == 8, std::uint64_t, std::uint32_t>;
-      start<Bits>(rows.segments.size());
-      std::transform(rows.segments.begin(), rows.segments.end(), elements<Bits>().begin(),
-                     [&](const Segment& segment) { return std::bit_cast<Bits>(value(segment)); });
-      packed.push_back(finish<Bits>(name, type, unit));
+    packed.push_back(pack("row_start", ElementType::u64, "1", rows.row_start, std::identity()));
+    const auto column = [&](const char* name, ElementType type, const char* unit, const auto& value) {
+      packed.push_back(pack(name, type, unit, rows.segments, value));
     };
     column("x_begin", ElementType::f64, "mm", [](const Segment& segment) { return segment.x_begin; });
     column("x_end", ElementType::f64, "mm", [](const Segment& segment) { return segment.x_end; });
@@ -138,21 +134,41 @@ class Packer {
     return packed;
   }
 
+  PackedRows pack(const LayerContours& contours) {
+    const auto& loops = contours.loops;
+    const auto& points = contours.points;
+    PackedRows packed;
+    const auto put = [&](PackedArray array) { packed.push_back(std::move(array)); };
+    put(pack("solid", ElementType::u32, "1", loops, [](const ContourLoop& loop) { return loop.solid.value(); }));
+    put(pack("parent", ElementType::i32, "1", loops, [](const ContourLoop& loop) { return loop.parent; }));
+    put(pack("area", ElementType::f64, "mm^2", loops, [](const ContourLoop& loop) { return loop.area; }));
+    put(pack("point_start", ElementType::u64, "1", contours.point_start, std::identity()));
+    put(pack("x", ElementType::f64, "mm", points, [](const Vec2& point) { return point.x(); }));
+    put(pack("y", ElementType::f64, "mm", points, [](const Vec2& point) { return point.y(); }));
+    return packed;
+  }
+
  private:
   void pack(const Mixtures& mixtures, PackedRows& packed) {
-    const auto whole = [&]<class T>(const char* name, ElementType type, const char* unit,
-                                    const std::vector<T>& values) {
-      using Bits = std::conditional_t<sizeof(T) == 8, std::uint64_t, std::uint32_t>;
-      start<Bits>(values.size());
-      std::transform(values.begin(), values.end(), elements<Bits>().begin(),
-                     [](const T& value) { return std::bit_cast<Bits>(value); });
-      packed.push_back(finish<Bits>(name, type, unit));
+    const auto whole = [&](const char* name, ElementType type, const char* unit, const auto& values) {
+      packed.push_back(pack(name, type, unit, values, std::identity()));
     };
     whole("graded_segment", ElementType::u64, "1", mixtures.segment);
     whole("knot_start", ElementType::u64, "1", mixtures.knot_start);
     whole("knot_x", ElementType::f64, "mm", mixtures.x);
     whole("fraction_start", ElementType::u64, "1", mixtures.fraction_start);
     whole("fraction", ElementType::f32, "1", mixtures.fraction);
+  }
+
+  /// The array of value(element) for each of the elements.
+  template <class Values, class Value>
+  PackedArray pack(const char* name, ElementType type, const char* unit, const Values& values, const Value& value) {
+    using T = std::decay_t<decltype(value(*values.begin()))>;
+    using Bits = std::conditional_t<sizeof(T) == 8, std::uint64_t, std::uint32_t>;
+    start<Bits>(values.size());
+    std::transform(values.begin(), values.end(), elements<Bits>().begin(),
+                   [&](const auto& element) { return std::bit_cast<Bits>(value(element)); });
+    return finish<Bits>(name, type, unit);
   }
 
   template <class T>
@@ -206,11 +222,12 @@ class Packer {
 
 PackedLayer pack_layer(const Layer& layer, int level) {
   Packer packer(level);
-  PackedLayer packed{layer.index, layer.z_bottom, layer.z_sample, layer.z_top, packer.pack(layer.raster), {}};
+  PackedLayer packed{layer.index, layer.z_bottom, layer.z_sample, layer.z_top, packer.pack(layer.raster), {}, {}};
   if (layer.hatch) {
     const HatchRows& hatch = *layer.hatch;
     packed.hatch = {hatch.angle, hatch.spacing, hatch.first_row, packer.pack(hatch.rows)};
   }
+  if (layer.contours) packed.contours = packer.pack(*layer.contours);
   return packed;
 }
 

@@ -15,7 +15,7 @@ inline constexpr std::size_t kCompactBytes = 1024;
 /// Longer ones come in chunks of at most this many elements.
 inline constexpr std::size_t kChunkElements = std::size_t{1} << 17;
 
-enum class ElementType { u32, u64, f32, f64 };
+enum class ElementType { i32, u32, u64, f32, f64 };
 
 /// One array as its bytes will lie in a shard.
 struct PackedArray {
@@ -27,7 +27,7 @@ struct PackedArray {
   std::vector<std::string> pieces;  ///< the chunks, shuffled and deflated unless the level is 0
 };
 
-/// Rows of segments.
+/// Rows of segments, or contours.
 using PackedRows = std::vector<PackedArray>;
 
 /// One layer, ready for its shard.
@@ -45,6 +45,7 @@ struct PackedLayer {
   double z_top = 0.0;
   PackedRows raster;
   std::optional<Hatch> hatch;
+  std::optional<PackedRows> contours;
 };
 
 /// Brings a layer into the form in which a shard holds it: nearly all the work of storing it, and none that HDF5 has to

@@ -147,7 +147,7 @@ Grid read_grid(const XmlElement& element) {
 }
 
 void read_plan(const XmlElement& parent, BuildInfo& info) {
-  parent.allow_only({"overlap"}, {"grid", "hatch"});
+  parent.allow_only({"overlap"}, {"grid", "hatch", "contours"});
   const auto policy = value_named<OverlapPolicy>(parent.attribute("overlap"), kPolicyWords);
   if (!policy) refuse(parent, "unknown overlap policy '" + parent.attribute("overlap") + "'");
   info.policy = *policy;
@@ -157,6 +157,10 @@ void read_plan(const XmlElement& parent, BuildInfo& info) {
     info.plan.hatch =
         HatchLattice{positive(*element, "spacing"), element->number("angle"), element->number("rotation")};
   }
+  if (const auto element = parent.child("contours")) {
+    element->allow_only({"chord_error"}, {});
+    info.plan.chord_error = positive(*element, "chord_error");
+  }
 }
 
 MixtureEntry read_mixtures(const XmlElement& element, const std::array<const char*, 3>& names) {
@@ -165,10 +169,10 @@ MixtureEntry read_mixtures(const XmlElement& element, const std::array<const cha
 }
 
 void read_layer(const XmlElement& element, BuildFile& build) {
-  element.allow_only(
-      {"index", "z_bottom", "z_sample", "z_top", "segments", "hatch_rows", "hatch_segments", "sha256", kMixtureNames[0],
-       kMixtureNames[1], kMixtureNames[2], kHatchMixtureNames[0], kHatchMixtureNames[1], kHatchMixtureNames[2]},
-      {});
+  element.allow_only({"index", "z_bottom", "z_sample", "z_top", "segments", "hatch_rows", "hatch_segments", "loops",
+                      "points", "sha256", kMixtureNames[0], kMixtureNames[1], kMixtureNames[2], kHatchMixtureNames[0],
+                      kHatchMixtureNames[1], kHatchMixtureNames[2]},
+                     {});
   if (count(element, "index") != build.layers.size()) refuse(element, "layers must count up from 0");
   const LayerSpan span{element.number("z_bottom"), element.number("z_sample"), element.number("z_top")};
   const bool is_contiguous = build.layers.empty() || build.info.plan.layers.back().z_top == span.z_bottom;
@@ -184,6 +188,11 @@ void read_layer(const XmlElement& element, BuildFile& build) {
   }
   if (entry.has_hatch != element.has("hatch_segments") || entry.has_hatch != build.info.plan.hatch.has_value())
     refuse(element, "hatch rows disagree with the plan");
+  if (element.has("loops") != build.info.plan.chord_error.has_value())
+    refuse(element, "contours disagree with the plan");
+  if (element.has("loops"))
+    entry.contours =
+        ContourEntry{count(element, "loops", std::numeric_limits<std::int32_t>::max()), count(element, "points")};
   entry.mixtures = read_mixtures(element, kMixtureNames);
   if (entry.has_hatch) entry.hatch_mixtures = read_mixtures(element, kHatchMixtureNames);
   entry.sha256 = digest(element);
@@ -317,7 +326,7 @@ void check_header(const XmlElement& root) {
   root.allow_only({"version", "complete", "length_unit", "angle_unit", "mass_unit"},
                   {"sources", "materials", "solids", "plan", "layers", "report"});
   const std::string version = root.attribute("version");
-  const bool is_known = version == kPlainVersion || version == kGradedVersion;
+  const bool is_known = version == kPlainVersion || version == kGradedVersion || version == kContourVersion;
   if (root.attribute_or("xmlns", "") != kBuildNamespace || !is_known) {
     refuse(root, "this is not version 1 of the build format", "read it with the version of Lamella that wrote it");
   }

@@ -145,6 +145,22 @@ HatchRows read_hatch(const Place& layer, const LayerEntry& entry, double byte_li
   return hatch;
 }
 
+LayerContours read_contours(const Place& layer, const ContourEntry& entry, double byte_limit) {
+  const hdf5::Group group = open_group(layer, "contours");
+  const Place place{group.id(), layer.where + "/contours"};
+  LayerContours contours;
+  const auto solid = read_array<std::uint32_t>(place, "solid", H5T_STD_U32LE, entry.loops, byte_limit);
+  const auto parent = read_array<std::int32_t>(place, "parent", H5T_STD_I32LE, entry.loops, byte_limit);
+  const auto area = read_array<double>(place, "area", H5T_IEEE_F64LE, entry.loops, byte_limit);
+  for (std::size_t i = 0; i < entry.loops; ++i) contours.loops.push_back({SolidId{solid[i]}, parent[i], area[i]});
+  contours.point_start = read_array<std::uint64_t>(place, "point_start", H5T_STD_U64LE, entry.loops + 1, byte_limit);
+  const auto x = read_array<double>(place, "x", H5T_IEEE_F64LE, entry.points, byte_limit);
+  const auto y = read_array<double>(place, "y", H5T_IEEE_F64LE, entry.points, byte_limit);
+  contours.points.reserve(entry.points);
+  for (std::size_t i = 0; i < entry.points; ++i) contours.points.emplace_back(x[i], y[i]);
+  return contours;
+}
+
 }  // namespace
 
 ShardReader::ShardReader(fs::path path, const ShardEntry& entry) : path_(std::move(path)) {
@@ -175,6 +191,7 @@ Layer ShardReader::read(std::size_t index, const LayerSpan& span, const LayerEnt
   const hdf5::Group raster = open_group(place, "raster");
   layer.raster = read_rows({raster.id(), place.where + "/raster"}, rows, entry.segments, entry.mixtures, byte_limit);
   if (entry.has_hatch) layer.hatch = read_hatch(place, entry, byte_limit);
+  if (entry.contours) layer.contours = read_contours(place, *entry.contours, byte_limit);
   return layer;
 }
 

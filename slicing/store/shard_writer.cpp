@@ -106,6 +106,8 @@ void put_attribute(const Place& object, const char* name, std::int64_t value) {
 
 hid_t type_of(const PackedArray& array) {
   switch (array.type) {
+    case ElementType::i32:
+      return H5T_STD_I32LE;
     case ElementType::u32:
       return H5T_STD_U32LE;
     case ElementType::u64:
@@ -217,13 +219,17 @@ void ShardWriter::add(const PackedLayer& layer) {
   put_attribute(place, "z_top", layer.z_top);
   const hdf5::Group raster = create_group(place, "raster");
   put_rows({raster.id(), path_}, layer.raster, compression_);
-  if (!layer.hatch) return;
-  const hdf5::Group hatch = create_group(place, "hatch");
-  const Place hatch_place{hatch.id(), path_};
-  put_attribute(hatch_place, "angle", layer.hatch->angle);
-  put_attribute(hatch_place, "spacing", layer.hatch->spacing);
-  put_attribute(hatch_place, "first_row", layer.hatch->first_row);
-  put_rows(hatch_place, layer.hatch->rows, compression_);
+  if (layer.hatch) {
+    const hdf5::Group hatch = create_group(place, "hatch");
+    const Place hatch_place{hatch.id(), path_};
+    put_attribute(hatch_place, "angle", layer.hatch->angle);
+    put_attribute(hatch_place, "spacing", layer.hatch->spacing);
+    put_attribute(hatch_place, "first_row", layer.hatch->first_row);
+    put_rows(hatch_place, layer.hatch->rows, compression_);
+  }
+  if (!layer.contours) return;
+  const hdf5::Group contours = create_group(place, "contours");
+  put_rows({contours.id(), path_}, *layer.contours, compression_);
 }
 
 std::string ShardWriter::finish() {

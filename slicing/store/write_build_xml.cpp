@@ -70,6 +70,7 @@ void write_plan(XmlWriter& xml, const BuildInfo& info) {
     xml.start("hatch").attribute("spacing", info.plan.hatch->spacing).attribute("angle", info.plan.hatch->angle);
     xml.attribute("rotation", info.plan.hatch->rotation).end();
   }
+  if (info.plan.chord_error) xml.start("contours").attribute("chord_error", *info.plan.chord_error).end();
   xml.end();
 }
 
@@ -84,6 +85,7 @@ void write_layer(XmlWriter& xml, std::size_t index, const LayerSpan& span, const
   if (entry.has_hatch) {
     xml.attribute("hatch_rows", entry.hatch_rows).attribute("hatch_segments", entry.hatch_segments);
   }
+  if (entry.contours) xml.attribute("loops", entry.contours->loops).attribute("points", entry.contours->points);
   write_mixtures(xml, kMixtureNames, entry.mixtures);
   write_mixtures(xml, kHatchMixtureNames, entry.hatch_mixtures);
   xml.attribute("sha256", entry.sha256).end();
@@ -154,6 +156,11 @@ void write_report(XmlWriter& xml, const SliceReport& report) {
   xml.end();
 }
 
+std::string_view version_of(const BuildInfo& info) {
+  if (info.plan.chord_error) return kContourVersion;
+  return is_graded(info) ? kGradedVersion : kPlainVersion;
+}
+
 std::string numbered(const char* format, std::size_t number) {
   char text[48];
   std::snprintf(text, sizeof(text), format, number);
@@ -171,7 +178,7 @@ std::string write_build_xml(const BuildFile& build, bool is_complete) {
   XmlWriter xml(text);
   xml.start("build")
       .attribute("xmlns", kBuildNamespace)
-      .attribute("version", is_graded(build.info) ? kGradedVersion : kPlainVersion)
+      .attribute("version", version_of(build.info))
       .attribute("complete", word_for(is_complete));
   xml.attribute("length_unit", "mm").attribute("angle_unit", "rad").attribute("mass_unit", "g");
   write_sources(xml, build.info);

@@ -31,6 +31,7 @@ const std::vector<ThirdParty> kThirdParties = {
     {"libdeflate\\.h", "(export/.*|slicing/store/packed_layer)\\.cpp"},
     {"(png|zlib|tiffio|zip)\\.h", "export/.*\\.cpp"},
     {"libxml/.*", "export/.*\\.cpp"},
+    {"polyclipping/.*", "export/material_contours\\.cpp"},
     {"muParser\\.h", "materials/.*\\.cpp"},
     {"(CLI|spdlog|nlohmann)/.*", "apps/.*"},
     {"fmt/.*", "(export|apps)/.*\\.cpp"},
