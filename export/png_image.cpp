@@ -5,21 +5,16 @@
 #include <cstring>
 #include <libdeflate.h>
 #include <limits>
-#include <memory>
 #include <string_view>
 
 #include "core/error.h"
+#include "export/deflate_writer.h"
 
 namespace lamella {
 
 namespace {
 
 constexpr std::uint64_t kMaxImageBytes = std::numeric_limits<std::int32_t>::max();
-
-/// The level at which libdeflate is fastest; pictures of long runs hardly gain from more (docs/formats/png.md).
-constexpr int kDeflateLevel = 1;
-
-constexpr std::uint8_t kFilterUp = 2;
 
 void put_u32(std::string& out, std::uint32_t value) {
   for (int shift = 24; shift >= 0; shift -= 8) out.push_back(static_cast<char>(value >> shift));
@@ -59,30 +54,6 @@ std::string palette_bytes(const std::vector<Color>& palette) {
     }
   }
   return data;
-}
-
-/// Each row as its difference from the row above, which is mostly zero in a picture of solids.
-std::vector<std::uint8_t> filter_rows(const PackedImage& image) {
-  std::vector<std::uint8_t> filtered = image.bytes();
-  const std::size_t step = image.stride() + 1;
-  filtered[0] = kFilterUp;
-  for (std::size_t row = step; row < filtered.size(); row += step) {
-    const std::uint8_t* current = image.bytes().data() + row;
-    const std::uint8_t* above = current - step;
-    std::uint8_t* out = filtered.data() + row;
-    out[0] = kFilterUp;
-    for (std::size_t i = 1; i < step; ++i) out[i] = static_cast<std::uint8_t>(current[i] - above[i]);
-  }
-  return filtered;
-}
-
-std::string compress(const std::vector<std::uint8_t>& bytes) {
-  const std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)> compressor(
-      libdeflate_alloc_compressor(kDeflateLevel), &libdeflate_free_compressor);
-  if (!compressor) throw std::bad_alloc();
-  std::string out(libdeflate_zlib_compress_bound(compressor.get(), bytes.size()), '\0');
-  out.resize(libdeflate_zlib_compress(compressor.get(), bytes.data(), bytes.size(), out.data(), out.size()));
-  return out;
 }
 
 }  // namespace
@@ -137,7 +108,8 @@ std::array<std::uint32_t, 2> pixels_per_metre(const Grid& grid) {
 }
 
 std::string encode_png(const PackedImage& image, const PngStyle& style) {
-  const std::string pixels = compress(filter_rows(image));
+  const std::size_t pixel_bytes = std::max(1, image.bits() / 8);
+  const std::string pixels = zlib_rows(image.bytes(), image.stride() + 1, pixel_bytes);
   std::string out("\x89PNG\r\n\x1A\n", 8);
   out.reserve(pixels.size() + 4096);
   put_chunk(out, "IHDR", header(image, !style.palette.empty()));

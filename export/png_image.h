@@ -52,7 +52,7 @@ struct PngStyle {
 [[nodiscard]] std::array<std::uint32_t, 2> pixels_per_metre(const Grid& grid);
 
 /// The image as a PNG file (ISO/IEC 15948). With a palette value 0 is fully transparent (chunk tRNS). The same image
-/// gives the same bytes. Takes about twice the image's memory.
+/// gives the same bytes.
 [[nodiscard]] std::string encode_png(const PackedImage& image, const PngStyle& style);
 
 }  // namespace lamella

@@ -6,20 +6,12 @@
 #include <span>
 #include <vector>
 
-#include "slicing/layer.h"
-#include "slicing/layer_plan.h"
+#include "export/raster_row.h"
 
 namespace lamella {
 
 /// Side of a leaf node of an OpenVDB tree, in voxels.
 inline constexpr std::int64_t kLeafSide = 8;
-
-/// Voxels [begin, end) of a row with label 1 + material.
-struct LabelRun {
-  std::int32_t begin = 0;
-  std::int32_t end = 0;
-  std::uint32_t label = 0;
-};
 
 /// Labels of the 512 voxels of a leaf in OpenVDB's order, x * 64 + y * 8 + z; 0 is void.
 using LeafLabels = std::array<std::uint32_t, 512>;
@@ -52,6 +44,7 @@ class Slab {
   void fill_mixed(std::int64_t band);
 
   Grid grid_;
+  RowRaster raster_;
   std::int64_t index_ = 0;
   std::vector<LabelRun> runs_;
   std::array<std::vector<std::uint64_t>, kLeafSide> row_start_;  ///< by z; empty where there is no layer
