@@ -26,6 +26,9 @@ constexpr std::array kFormats{
            [](const Path& path, const FormatOptions&) { return make_indexed_png_sink(path); }},
     Format{"png-grey", "one stack of grey images of volume fractions per material", true, false,
            [](const Path& path, const FormatOptions& options) { return make_grey_png_sink(path, options.grey_bits); }},
+    Format{
+        "png-coverage", "one stack of grey images of covered pixel parts per material", true, false,
+        [](const Path& path, const FormatOptions& options) { return make_coverage_png_sink(path, options.grey_bits); }},
     Format{"vdb", "OpenVDB grids", false, true,
            [](const Path& path, const FormatOptions& options) {
              return make_vdb_sink(path, {.integer_ids = options.vdb_ids});
@@ -62,7 +65,7 @@ void add_format_options(CLI::App& verb) {
   add_switch(verb, "--vdb-ids", "also an Int32 grid of material ids in the VDB");
   add_value(verb, "--plan", "the build's plan, for G-code", "plan.xml");
   add_switch(verb, "--dither", "graded materials in png, png-indexed and vdb as voxels of what they are mixed of");
-  add_value(verb, "--grey-bits", "bits a pixel of png-grey: 8 (the default) or 16", "N");
+  add_value(verb, "--grey-bits", "bits a pixel of png-grey and png-coverage: 8 (the default) or 16", "N");
 }
 
 FormatOptions read_format_options(const CLI::App& verb) {

@@ -19,7 +19,7 @@ struct FormatOptions {
   std::optional<std::string> plan;     ///< plan.xml, for G-code
   std::optional<std::string> machine;  ///< machine.xml, for G-code
   bool dither = false;                 ///< graded materials dithered in png, png-indexed and vdb
-  int grey_bits = 8;                   ///< of png-grey
+  int grey_bits = 8;                   ///< of png-grey and png-coverage
 };
 
 /// One output of a run.

@@ -1,6 +1,7 @@
 #include "export/raster_row.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace lamella {
@@ -11,6 +12,15 @@ RowRaster::RowRaster(const Grid& grid)
 PixelRun RowRaster::pixels(const Segment& segment) const {
   if (!(segment.x_begin < segment.x_end)) return {};  // also NaN
   return {first_centre_from(segment.x_begin), first_centre_from(segment.x_end)};
+}
+
+PixelRun RowRaster::touched(const Segment& segment) const {
+  if (!(segment.x_begin < segment.x_end)) return {};
+  const auto limited = [&](double pixel) {
+    return static_cast<std::int64_t>(std::clamp(pixel, 0.0, static_cast<double>(count_)));
+  };
+  return {limited(std::floor((segment.x_begin - origin_) * pixels_per_mm_)),
+          limited(std::ceil((segment.x_end - origin_) * pixels_per_mm_))};
 }
 
 void RowRaster::append_runs(std::span<const Segment> row, std::vector<LabelRun>& out) const {

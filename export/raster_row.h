@@ -39,6 +39,9 @@ class RowRaster {
   /// disjoint segments are disjoint and those of touching segments touch. Empty when a bound is NaN.
   [[nodiscard]] PixelRun pixels(const Segment& segment) const;
 
+  /// The pixels that the segment covers in part or wholly, to rounding, clipped to the grid.
+  [[nodiscard]] PixelRun touched(const Segment& segment) const;
+
   /// Appends the runs of a row's segments, ascending; touching ones of one label are united, empty ones left out.
   void append_runs(std::span<const Segment> row, std::vector<LabelRun>& out) const;
 

@@ -74,7 +74,7 @@ TEST(Deflate, RowsFartherThanTheWindowAndManyBlocksSurvive) {
       bytes[i] = static_cast<std::uint8_t>(i < row ? random() : bytes[i - row]);
     const std::string stream = zlib_rows(bytes, row, 1);
     ASSERT_EQ(inflated(stream, 15, bytes.size()), bytes) << row;
-    if (row <= 32768) EXPECT_LT(stream.size(), row * 11 / 10);
+    EXPECT_LT(stream.size(), row <= 32768 ? row * 11 / 10 : 4 * row);
   }
 }
 
@@ -107,9 +107,10 @@ TEST(Huffman, LengthsAreAPrefixCodeWithinTheLimitAndShortForFrequentSymbols) {
       sum += std::pow(0.5, code.lengths[s]);
       ++used;
     }
-    if (used > 1) EXPECT_EQ(sum, 1.0);  // complete, as zlib asks
+    EXPECT_TRUE(used < 2 || sum == 1.0);  // complete, as zlib asks
     for (std::size_t s = 1; s < counts.size(); ++s) {
-      if (counts[s] > counts[s - 1] && counts[s - 1] > 0) ASSERT_LE(code.lengths[s], code.lengths[s - 1]);
+      const bool is_likelier = counts[s] > counts[s - 1] && counts[s - 1] > 0;
+      ASSERT_TRUE(!is_likelier || code.lengths[s] <= code.lengths[s - 1]);
     }
   }
 }
