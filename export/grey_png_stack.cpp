@@ -21,7 +21,7 @@ namespace {
 class GreyPngSink final : public LayerSink {
  public:
   GreyPngSink(std::filesystem::path folder, int bits, PixelChoice choice)
-      : folder_(std::move(folder), ".png", true, (1U << bits) - 1U),
+      : folder_(std::move(folder), {.folder_per_material = true, .value = (1U << bits) - 1U}),
         bits_(bits),
         white_((1U << bits) - 1U),
         choice_(choice) {}
@@ -41,8 +41,8 @@ class GreyPngSink final : public LayerSink {
     check_layer(layer, info_);
     // A picture of one material at a time for each thread: a build may have more materials than memory for pictures.
     parallel_for_within(plain_.info.materials.size(),
-                        [&](std::size_t m) { folder_.write_image(layer, m, picture(layer, m)); });
-    return [this, &layer] { folder_.add_layer(layer); };
+                        [&](std::size_t m) { folder_.write_image(layer.index, m, picture(layer, m)); });
+    return [this, layer = layer.index] { folder_.add_layer(layer, info_.plan.layers[layer]); };
   }
 
   void finish(const SliceReport&) override { folder_.close(); }

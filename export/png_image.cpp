@@ -32,9 +32,10 @@ std::string header(const PackedImage& image, bool indexed) {
   std::string data;
   put_u32(data, static_cast<std::uint32_t>(image.width()));
   put_u32(data, static_cast<std::uint32_t>(image.height()));
-  data.push_back(static_cast<char>(image.bits()));
-  data.push_back(indexed ? 3 : 0);  // colour type: palette or grey
-  data.append(3, '\0');             // deflate, adaptive filters, no interlace
+  const bool is_color = image.bits() == 32;
+  data.push_back(static_cast<char>(is_color ? 8 : image.bits()));
+  data.push_back(indexed ? 3 : is_color ? 6 : 0);  // colour type: palette, colour with alpha, or grey
+  data.append(3, '\0');                            // deflate, adaptive filters, no interlace
   return data;
 }
 
@@ -81,6 +82,7 @@ void PackedImage::set(std::int64_t row, std::int64_t column, unsigned value) {
 
 void PackedImage::fill(std::int64_t row, std::int64_t begin, std::int64_t end, unsigned value) {
   if (begin >= end) return;
+  if (bits_ == 32) return fill_colors(row, begin, end, value);
   // 1 / (2^bits - 1) of 255 times the value repeats it through the byte: 0x55 * 3 = 0xFF.
   const auto pattern = static_cast<std::uint8_t>(value * (255u / ((1u << bits_) - 1u)));
   std::uint8_t* bytes = bytes_.data() + static_cast<std::size_t>(row) * (stride_ + 1) + 1;
@@ -97,6 +99,14 @@ void PackedImage::fill(std::int64_t row, std::int64_t begin, std::int64_t end, u
   blend(first, head);
   std::memset(bytes + first + 1, pattern, last - first - 1);
   if (tail != 0) blend(last, tail);
+}
+
+void PackedImage::fill_colors(std::int64_t row, std::int64_t begin, std::int64_t end, unsigned value) {
+  const std::array<std::uint8_t, 4> color = {static_cast<std::uint8_t>(value >> 24),
+                                             static_cast<std::uint8_t>(value >> 16),
+                                             static_cast<std::uint8_t>(value >> 8), static_cast<std::uint8_t>(value)};
+  std::uint8_t* to = bytes_.data() + static_cast<std::size_t>(row) * (stride_ + 1) + 1 + 4 * begin;
+  for (std::int64_t i = begin; i < end; ++i, to += 4) std::memcpy(to, color.data(), 4);
 }
 
 std::array<std::uint32_t, 2> pixels_per_metre(const Grid& grid) {

@@ -45,7 +45,7 @@ void visit_runs(const Layer& layer, const Grid& grid, const Visit& visit) {
 /// Black pictures with the material in white, one stack per material.
 class PngSink final : public LayerSink {
  public:
-  explicit PngSink(std::filesystem::path folder) : folder_(std::move(folder), ".png", true) {}
+  explicit PngSink(std::filesystem::path folder) : folder_(std::move(folder), {.folder_per_material = true}) {}
 
   void begin(const BuildInfo& info) override {
     check_build(info);
@@ -60,8 +60,8 @@ class PngSink final : public LayerSink {
   [[nodiscard]] std::function<void()> prepare(const Layer& layer) override {
     check_layer(layer, info_);
     const auto runs = runs_by_material(layer);
-    parallel_for_within(runs.size(), [&](std::size_t m) { folder_.write_image(layer, m, picture(runs[m])); });
-    return [this, &layer] { folder_.add_layer(layer); };
+    parallel_for_within(runs.size(), [&](std::size_t m) { folder_.write_image(layer.index, m, picture(runs[m])); });
+    return [this, layer = layer.index] { folder_.add_layer(layer, info_.plan.layers[layer]); };
   }
 
   void finish(const SliceReport&) override { folder_.close(); }
@@ -101,7 +101,7 @@ int index_bits(std::size_t values) {
 /// One picture per layer whose pixels are material numbers.
 class IndexedPngSink final : public LayerSink {
  public:
-  explicit IndexedPngSink(std::filesystem::path folder) : folder_(std::move(folder), ".png", false) {}
+  explicit IndexedPngSink(std::filesystem::path folder) : folder_(std::move(folder), {}) {}
 
   void begin(const BuildInfo& info) override {
     check_build(info);
@@ -127,8 +127,8 @@ class IndexedPngSink final : public LayerSink {
     PackedImage image(grid.size[0], grid.size[1], bits_);
     visit_runs(layer, grid,
                [&](std::int64_t row, const LabelRun& run) { image.fill(row, run.begin, run.end, run.label); });
-    folder_.write_image(layer, 0, encode_png(image, style_));
-    return [this, &layer] { folder_.add_layer(layer); };
+    folder_.write_image(layer.index, 0, encode_png(image, style_));
+    return [this, layer = layer.index] { folder_.add_layer(layer, info_.plan.layers[layer]); };
   }
 
   void finish(const SliceReport&) override { folder_.close(); }

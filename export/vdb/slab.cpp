@@ -38,8 +38,8 @@ void Slab::reset(std::int64_t index) {
   for (auto& starts : row_start_) starts.clear();
 }
 
-void Slab::add(const Layer& layer) {
-  auto& starts = row_start_[layer.index % kLeafSide];
+void Slab::add(const Layer& layer, std::int64_t slice) {
+  auto& starts = row_start_[static_cast<std::size_t>(slice % kLeafSide)];
   starts.assign(1, runs_.size());
   for (std::size_t row = 0; row < layer.raster.rows(); ++row) {
     raster_.append_runs(layer.raster.row(row), runs_);
