@@ -1,6 +1,7 @@
 #include "export/mhd_file.h"
 
 #include <fmt/format.h>
+#include <fstream>
 #include <optional>
 #include <zlib.h>
 
@@ -13,6 +14,8 @@
 namespace lamella {
 
 namespace {
+
+constexpr std::string_view kFirstLine = "ObjectType = Image";
 
 std::string vector_text(const Vec3& v) {
   return fmt::format("{} {} {}", format_double(v.x()), format_double(v.y()), format_double(v.z()));
@@ -58,7 +61,8 @@ class MhdFile final : public VolumeFile {
 
  private:
   [[nodiscard]] std::string header_text(const Volume& volume) const {
-    std::string out = "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n";
+    std::string out = fmt::format("{}\n", kFirstLine);
+    out += "NDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n";
     out += fmt::format("CompressedData = {}\n", is_raw_ ? "False" : "True");
     if (!is_raw_) out += fmt::format("CompressedDataSize = {}\n", data_->appended());
     out += "TransformMatrix = 1 0 0 0 1 0 0 0 1\n";
@@ -79,6 +83,20 @@ class MhdFile final : public VolumeFile {
 };
 
 }  // namespace
+
+std::filesystem::path mhd_data_file(const std::filesystem::path& file) {
+  constexpr std::string_view kKey = "ElementDataFile = ";
+  std::ifstream stream(file);
+  std::string line;
+  if (!std::getline(stream, line) || line != kFirstLine) return {};
+  while (std::getline(stream, line)) {
+    if (!line.starts_with(kKey)) continue;
+    const std::filesystem::path data = file.parent_path() / line.substr(kKey.size());
+    std::error_code failure;
+    return std::filesystem::is_regular_file(data, failure) ? data : std::filesystem::path();
+  }
+  return {};
+}
 
 std::unique_ptr<LayerSink> make_mhd_sink(const std::filesystem::path& file, const VolumeOptions& options) {
   return make_volume_sink(std::make_unique<MhdFile>(file, options.is_raw), options, "MetaImage");

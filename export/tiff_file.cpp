@@ -120,11 +120,11 @@ class TiffFile final : public VolumeFile {
 
   void add(const EncodedSlice& slice) override {
     pages_.push_back({file_->header_bytes() + file_->appended(), slice.bytes.size()});
-    file_->append(slice.bytes);
-    if (file_->appended() % 2 != 0) file_->append(std::string_view("\0", 1));
+    file_->append(slice.bytes);  // without a gap: ImageJ takes pages that aren't compressed for one block
   }
 
   void finish(const Volume& volume) override {
+    if (file_->appended() % 2 != 0) file_->append(std::string_view("\0", 1));  // directories begin on even bytes
     const std::string text = description(volume);
     const std::uint64_t place = file_->header_bytes() + file_->appended();
     // 300 bytes are more than a directory of either kind with its values has, but for the description.

@@ -15,7 +15,7 @@ constexpr int kMostParts = 100;      // that the thinnest layer is divided into
 constexpr double kMostSlices = 1e7;
 
 double thinnest(const LayerPlan& plan) {
-  double least = plan.grid.pitch.z();
+  double least = plan.layers.front().z_top - plan.layers.front().z_bottom;
   for (const LayerSpan& span : plan.layers) least = std::min(least, span.z_top - span.z_bottom);
   return least;
 }
@@ -37,20 +37,21 @@ UniformZ::UniformZ(const LayerPlan& plan, std::optional<double> z_pitch, std::st
 
 void UniformZ::divide(const LayerPlan& plan, std::string_view format) {
   const double least = thinnest(plan);
+  const double nominal = plan.grid.pitch.z();
+  if (std::abs(least - nominal) <= kDisplaced * nominal && fits(plan, nominal)) return;
   for (int parts = 1; parts <= kMostParts; ++parts) {
-    if (fits(plan, least / parts)) return;
+    // A quantum that is off by rounding would add up over the layers.
+    const double slices = std::round((plan.layers.back().z_top - bottom_) / (least / parts));
+    if (fits(plan, (plan.layers.back().z_top - bottom_) / slices)) return;
   }
   throw UsageError("layers of different thickness do not fit the uniform slices of " + std::string(format), "--z-pitch",
                    "give the thickness of slices with --z-pitch, or slice with a uniform --layer-height");
 }
 
-/// Sets the slices of each layer if all borders are multiples of about `quantum` above the bottom.
+/// Sets the slices of each layer if all borders are multiples of `quantum` above the bottom.
 bool UniformZ::fits(const LayerPlan& plan, double quantum) {
-  const double height = plan.layers.back().z_top - bottom_;
-  const double slices = std::round(height / quantum);
-  if (!(slices >= 1.0 && slices <= kMostSlices)) return false;
-  // A quantum that is off by rounding would add up.
-  pitch_ = height / slices;
+  if (!((plan.layers.back().z_top - bottom_) / quantum <= kMostSlices)) return false;
+  pitch_ = quantum;
   first_.assign(1, 0);
   for (const LayerSpan& span : plan.layers) {
     const double border = (span.z_top - bottom_) / pitch_;

@@ -56,7 +56,7 @@ std::string read_with_python(const std::string& kind, const fs::path& place, con
   const TemporaryFolder folder;
   std::string line = "/usr/bin/python3 " + quoted(source_dir() / "tests/export/read_printer_format.py") + " " + kind +
                      " " + quoted(place) + " " + quoted(folder / "labels");
-  for (const Material& material : info.materials) line += " " + quoted(material.name);
+  for (const Material& material : info.materials) line += " " + quoted(fs::path(material.name));
   const CommandResult result = run_command(line);
   EXPECT_EQ(result.exit_code, 0) << result.errors;
   labels = bytes_of(folder / "labels");
