@@ -9,12 +9,18 @@
 #include "export/dither_sink.h"
 #include "export/gcode_sink.h"
 #include "export/grey_png_stack.h"
+#include "export/mhd_file.h"
+#include "export/nrrd_file.h"
 #include "export/png_stack.h"
+#include "export/polyjet_stack.h"
+#include "export/sl1_archives.h"
 #include "export/slc_sink.h"
 #include "export/step_sink.h"
 #include "export/svg_sink.h"
 #include "export/threemf_sink.h"
+#include "export/tiff_file.h"
 #include "export/vdb/vdb_sink.h"
+#include "export/vti_file.h"
 #include "export/vtp_sink.h"
 #include "export/xml_slices.h"
 #include "slicing/store/store.h"
@@ -25,6 +31,10 @@ namespace {
 
 using Path = std::filesystem::path;
 
+VolumeOptions volume_options(const FormatOptions& options) {
+  return {.z_pitch = options.z_pitch, .is_raw = options.raw};
+}
+
 constexpr std::array kFormats{
     Format{"png", "one stack of 1-bit images per material", true, true,
            [](const Path& path, const FormatOptions&) { return make_png_sink(path); }},
@@ -32,10 +42,32 @@ constexpr std::array kFormats{
            [](const Path& path, const FormatOptions&) { return make_indexed_png_sink(path); }},
     Format{"png-grey", "one stack of grey images of volume fractions per material", true, false,
            [](const Path& path, const FormatOptions& options) { return make_grey_png_sink(path, options.grey_bits); }},
+    Format{
+        "png-coverage", "one stack of grey images of covered pixel parts per material", true, false,
+        [](const Path& path, const FormatOptions& options) { return make_coverage_png_sink(path, options.grey_bits); }},
+    Format{"polyjet", "opaque RGBA images, one colour per material, as PolyJet machines take them", true, true,
+           [](const Path& path, const FormatOptions& options) {
+             return make_polyjet_sink(path, {.z_pitch = options.z_pitch});
+           }},
+    Format{"tiff", "a TIFF of labels, a page per slice", false, true,
+           [](const Path& path, const FormatOptions& options) {
+             return make_tiff_sink(path, {.volume = volume_options(options)});
+           }},
+    Format{"sl1", "one archive of masks per material, for SLA printers", true, true,
+           [](const Path& path, const FormatOptions& options) {
+             return make_sl1_sink(path, {.z_pitch = options.z_pitch});
+           }},
     Format{"vdb", "OpenVDB grids", false, true,
            [](const Path& path, const FormatOptions& options) {
-             return make_vdb_sink(path, {.integer_ids = options.vdb_ids});
+             return make_vdb_sink(path, {.integer_ids = options.vdb_ids, .z_pitch = options.z_pitch});
            }},
+    Format{"vti", "VTK image data of labels", false, true,
+           [](const Path& path, const FormatOptions& options) { return make_vti_sink(path, volume_options(options)); }},
+    Format{
+        "nrrd", "an NRRD of labels, a segmentation for 3D Slicer", false, true,
+        [](const Path& path, const FormatOptions& options) { return make_nrrd_sink(path, volume_options(options)); }},
+    Format{"mhd", "a MetaImage of labels, its data beside it", false, true,
+           [](const Path& path, const FormatOptions& options) { return make_mhd_sink(path, volume_options(options)); }},
     Format{"xml", "XML slices", false, false,
            [](const Path& path, const FormatOptions& options) {
              return make_xml_sink(path, options.xml_text ? XmlPayload::text : XmlPayload::binary);
@@ -81,8 +113,10 @@ void add_format_options(CLI::App& verb) {
   add_value(verb, "--xml-payload", "numbers in the XML: binary (zlib + base64, the default) or text", "KIND");
   add_switch(verb, "--vdb-ids", "also an Int32 grid of material ids in the VDB");
   add_value(verb, "--plan", "the build's plan, for G-code", "plan.xml");
-  add_switch(verb, "--dither", "graded materials in png, png-indexed and vdb as voxels of what they are mixed of");
-  add_value(verb, "--grey-bits", "bits a pixel of png-grey: 8 (the default) or 16", "N");
+  add_switch(verb, "--dither", "graded materials as voxels of what they are mixed of, where voxels have one material");
+  add_value(verb, "--grey-bits", "bits a pixel of png-grey and png-coverage: 8 (the default) or 16", "N");
+  add_value(verb, "--z-pitch", "thickness of slices where a format has but one: the nearest layer", "MM");
+  add_switch(verb, "--raw", "tiff, vti, nrrd and mhd without compression");
 }
 
 FormatOptions read_format_options(const CLI::App& verb) {
@@ -99,6 +133,8 @@ FormatOptions read_format_options(const CLI::App& verb) {
     if (*bits != "8" && *bits != "16") throw UsageError("'" + *bits + "' bits", "--grey-bits", "give 8 or 16");
     options.grey_bits = *bits == "16" ? 16 : 8;
   }
+  options.raw = verb.count("--raw") > 0;
+  if (const auto pitch = given(verb, "--z-pitch")) options.z_pitch = parse_positive("--z-pitch", *pitch);
   options.plan = given(verb, "--plan");
   options.machine = given(verb, "--machine");
   return options;

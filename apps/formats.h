@@ -18,8 +18,10 @@ struct FormatOptions {
   bool vdb_ids = false;                ///< an Int32 grid of material ids in the VDB
   std::optional<std::string> plan;     ///< plan.xml, for G-code
   std::optional<std::string> machine;  ///< machine.xml, for G-code
-  bool dither = false;                 ///< graded materials dithered in png, png-indexed and vdb
-  int grey_bits = 8;                   ///< of png-grey
+  bool dither = false;                 ///< graded materials dithered where voxels have one material
+  std::optional<double> z_pitch;       ///< mm, slices of formats with one thickness
+  bool raw = false;                    ///< volumes of labels not compressed
+  int grey_bits = 8;                   ///< of png-grey and png-coverage
 };
 
 /// One output of a run.
@@ -54,7 +56,7 @@ struct Format {
 /// Throws UsageError that lists the available formats unless `name` is one of them.
 void check_format(const std::string& name);
 
-/// Adds --xml-payload, --vdb-ids and --plan; read_format_options() reads them and --machine after the parse.
+/// Adds the options of formats but --machine; read_format_options() reads all after the parse.
 void add_format_options(CLI::App& verb);
 [[nodiscard]] FormatOptions read_format_options(const CLI::App& verb);
 /// Throws UsageError when an output lacks an option that it needs, or --plan is given without G-code.

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include "core/error.h"
+#include "export/mhd_file.h"
 #include "slicing/store/build_file.h"
 
 namespace lamella::apps {
@@ -94,7 +95,12 @@ void check_writable(const Output& output) {
 std::vector<WrittenFile> list_files(const fs::path& path) {
   std::vector<WrittenFile> files;
   std::error_code failure;
-  if (fs::is_regular_file(path, failure)) return {{path, fs::file_size(path, failure)}};
+  if (fs::is_regular_file(path, failure)) {
+    files.push_back({path, fs::file_size(path, failure)});
+    const fs::path data = mhd_data_file(path);
+    if (!data.empty()) files.push_back({data, fs::file_size(data, failure)});
+    return files;
+  }
   for (fs::recursive_directory_iterator entry(path, failure), end; !failure && entry != end; entry.increment(failure)) {
     if (entry->is_regular_file(failure)) files.push_back({entry->path(), entry->file_size(failure)});
   }

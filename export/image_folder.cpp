@@ -42,7 +42,7 @@ bool is_image_name(std::string_view name, std::string_view extension) {
   if (!name.starts_with("layer_") || !name.ends_with(extension)) return false;
   name.remove_prefix(6);
   name.remove_suffix(extension.size());
-  return name.size() >= 6 && name.find_first_not_of("0123456789") == std::string_view::npos;
+  return !name.empty() && name.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
 bool is_table_name(std::string_view name) {
@@ -92,21 +92,18 @@ void empty_folder(const fs::path& root, const std::string& extension) {
 
 }  // namespace
 
-ImageFolder::ImageFolder(fs::path root, std::string extension, bool folder_per_material, unsigned value)
-    : root_(std::move(root)),
-      extension_(std::move(extension)),
-      folder_per_material_(folder_per_material),
-      value_(value) {
+ImageFolder::ImageFolder(fs::path root, ImageFolderOptions options)
+    : root_(std::move(root)), options_(std::move(options)) {
   layers_csv_ = fmt::format("{}\n", kLayersHeader);
 }
 
 void ImageFolder::open(const BuildInfo& info) {
-  if (folder_per_material_) {
+  if (options_.folder_per_material) {
     std::vector<std::string> names;
     for (const Material& material : info.materials) names.push_back(material.name);
     subfolders_ = safe_file_names(names, {kTables.begin(), kTables.end()});
   }
-  empty_folder(root_, extension_);
+  empty_folder(root_, options_.extension);
   made_root_ = !fs::exists(root_);
   make_folder(root_);
   is_open_ = true;
@@ -114,14 +111,14 @@ void ImageFolder::open(const BuildInfo& info) {
   for (const std::string& name : subfolders_) make_folder(root_ / name);
 }
 
-void ImageFolder::write_image(const Layer& layer, std::size_t subfolder, std::string_view bytes) const {
-  const fs::path folder = folder_per_material_ ? root_ / subfolders_[subfolder] : root_;
-  write_file_atomically(folder / image_name(layer.index), bytes);
+void ImageFolder::write_image(std::uint32_t number, std::size_t subfolder, std::string_view bytes) const {
+  const fs::path folder = options_.folder_per_material ? root_ / subfolders_[subfolder] : root_;
+  write_file_atomically(folder / image_name(number), bytes);
 }
 
-void ImageFolder::add_layer(const Layer& layer) {
-  layers_csv_ += fmt::format("{},{},{},{},{}\n", layer.index, format_double(layer.z_bottom),
-                             format_double(layer.z_sample), format_double(layer.z_top), image_name(layer.index));
+void ImageFolder::add_layer(std::uint32_t number, const LayerSpan& span) {
+  layers_csv_ += fmt::format("{},{},{},{},{}\n", number, format_double(span.z_bottom), format_double(span.z_sample),
+                             format_double(span.z_top), image_name(number));
 }
 
 void ImageFolder::close() const { write_file_atomically(root_ / "layers.csv", layers_csv_); }
@@ -130,23 +127,23 @@ void ImageFolder::abandon() noexcept {
   if (!is_open_) return;
   is_open_ = false;
   try {
-    empty_folder(root_, extension_);
+    empty_folder(root_, options_.extension);
     if (made_root_) fs::remove(root_);
   } catch (const std::exception&) {
     // The failure that ended the run is the one to tell.
   }
 }
 
-std::string ImageFolder::image_name(std::uint32_t index) const {
-  return fmt::format("layer_{:06}{}", index, extension_);
+std::string ImageFolder::image_name(std::uint32_t number) const {
+  return fmt::format("layer_{:0{}}{}", number, options_.pads_number ? 6 : 1, options_.extension);
 }
 
 void ImageFolder::write_tables(const BuildInfo& info) const {
   std::string materials = fmt::format("{}\n", kMaterialsHeader);
   for (MaterialId id : info.materials.ids()) {
     const Material& material = info.materials[id];
-    const unsigned value = folder_per_material_ ? value_ : 1 + id.value();
-    const std::string folder = folder_per_material_ ? subfolders_[id.value()] : ".";
+    const unsigned value = options_.folder_per_material ? options_.value : 1 + id.value();
+    const std::string folder = options_.folder_per_material ? subfolders_[id.value()] : ".";
     const std::string density = material.density ? format_double(*material.density) : "";
     materials += fmt::format("{},{},{},{}", value, csv_field(material.name), csv_field(folder), density);
     for (double channel : material.color)

@@ -10,6 +10,13 @@
 
 namespace lamella {
 
+struct ImageFolderOptions {
+  std::string extension = ".png";  ///< with its dot
+  bool folder_per_material = false;
+  unsigned value = 1;       ///< of pixels that are wholly of a folder's material
+  bool pads_number = true;  ///< to six digits
+};
+
 /// A folder with one image per layer, or one sub-folder of such images per material, and three tables:
 /// `materials.csv`, `grid.csv` and, once the stack is complete, `layers.csv` (docs/formats/png.md).
 ///
@@ -17,20 +24,19 @@ namespace lamella {
 /// an earlier stack is removed when a new one begins.
 class ImageFolder {
  public:
-  /// The folder itself is made by open(). `extension` of the images comes with its dot. `value` is that of pixels that
-  /// are wholly of a folder's material.
-  ImageFolder(std::filesystem::path root, std::string extension, bool folder_per_material, unsigned value = 1);
+  /// The folder itself is made by open().
+  ImageFolder(std::filesystem::path root, ImageFolderOptions options);
 
   /// Checks and empties the folder, creates it and its sub-folders, and writes the tables but layers.csv. Throws
   /// ExportError.
   void open(const BuildInfo& info);
 
-  /// Writes the image of `layer` into the given sub-folder (ignored without sub-folders). Threads may write different
-  /// images at the same time. Throws ExportError.
-  void write_image(const Layer& layer, std::size_t subfolder, std::string_view bytes) const;
+  /// Writes the image of that number into the given sub-folder (ignored without sub-folders). Threads may write
+  /// different images at the same time. Throws ExportError.
+  void write_image(std::uint32_t number, std::size_t subfolder, std::string_view bytes) const;
 
-  /// Notes a layer for layers.csv.
-  void add_layer(const Layer& layer);
+  /// Notes an image's layer for layers.csv.
+  void add_layer(std::uint32_t number, const LayerSpan& span);
 
   /// Writes layers.csv, which tells a reader that the stack is complete. Throws ExportError.
   void close() const;
@@ -39,13 +45,11 @@ class ImageFolder {
   void abandon() noexcept;
 
  private:
-  [[nodiscard]] std::string image_name(std::uint32_t index) const;
+  [[nodiscard]] std::string image_name(std::uint32_t number) const;
   void write_tables(const BuildInfo& info) const;
 
   std::filesystem::path root_;
-  std::string extension_;
-  bool folder_per_material_;
-  unsigned value_;
+  ImageFolderOptions options_;
   std::vector<std::string> subfolders_;  ///< by material, empty when all images lie in the root
   std::string layers_csv_;
   bool is_open_ = false;  ///< all in the folder is ours

@@ -12,18 +12,18 @@ void MixedRowReader::read(const Layer& layer, std::size_t row, const std::functi
   auto g = static_cast<std::size_t>(first);
   for (std::uint64_t i = rows.row_start[row]; i < rows.row_start[row + 1]; ++i) {
     const Segment& segment = rows.segments[i];
-    const PixelRun pixels = pixels_of(segment, info_.plan.grid);
+    const PixelRun pixels = choice_ == PixelChoice::centre ? raster_.pixels(segment) : raster_.touched(segment);
     const bool is_mixed = g < mixtures.segment.size() && mixtures.segment[g] == i;
     const std::size_t mixture = is_mixed ? g++ : g;
     if (pixels.begin >= pixels.end) continue;
     if (!is_mixed) {
       fractions_.assign(static_cast<std::size_t>(pixels.end - pixels.begin), 1.0F);
-      visit({pixels, segment.solid, std::span(&segment.material, 1), fractions_});
+      visit({pixels, segment.solid, segment.x_begin, segment.x_end, std::span(&segment.material, 1), fractions_});
       continue;
     }
     const std::vector<MaterialId>& components = info_.materials[segment.material].components;
     sample(mixtures, mixture, pixels, components.size());
-    visit({pixels, segment.solid, components, fractions_});
+    visit({pixels, segment.solid, segment.x_begin, segment.x_end, components, fractions_});
   }
 }
 

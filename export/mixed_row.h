@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <span>
 #include <vector>
@@ -10,10 +11,18 @@
 
 namespace lamella {
 
+/// Which pixels of a row belong to a segment.
+enum class PixelChoice : std::uint8_t {
+  centre,   ///< whose centres it holds
+  touched,  ///< that it covers in part or wholly
+};
+
 /// Pixels of one segment and what they consist of.
 struct MixedRun {
   PixelRun pixels;
   SolidId solid;
+  double x_begin;  ///< of the segment, mm
+  double x_end;
   std::span<const MaterialId> materials;  ///< the components, or the one material of a segment that isn't graded
   std::span<const float> fractions;  ///< at the pixels' centres: those of the first material, then of the second ...
 };
@@ -22,7 +31,8 @@ struct MixedRun {
 class MixedRowReader {
  public:
   /// The build must outlive it.
-  explicit MixedRowReader(const BuildInfo& info) : info_(info) {}
+  explicit MixedRowReader(const BuildInfo& info, PixelChoice choice = PixelChoice::centre)
+      : info_(info), raster_(info.plan.grid), choice_(choice) {}
 
   /// Calls visit for each segment of a row that holds pixels. What a run refers to is valid during the call.
   void read(const Layer& layer, std::size_t row, const std::function<void(const MixedRun&)>& visit);
@@ -31,6 +41,8 @@ class MixedRowReader {
   void sample(const Mixtures& mixtures, std::size_t g, const PixelRun& pixels, std::size_t components);
 
   const BuildInfo& info_;
+  RowRaster raster_;
+  PixelChoice choice_;
   std::vector<float> fractions_;
 };
 

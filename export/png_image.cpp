@@ -5,21 +5,16 @@
 #include <cstring>
 #include <libdeflate.h>
 #include <limits>
-#include <memory>
 #include <string_view>
 
 #include "core/error.h"
+#include "export/deflate_writer.h"
 
 namespace lamella {
 
 namespace {
 
 constexpr std::uint64_t kMaxImageBytes = std::numeric_limits<std::int32_t>::max();
-
-/// The level at which libdeflate is fastest; pictures of long runs hardly gain from more (docs/formats/png.md).
-constexpr int kDeflateLevel = 1;
-
-constexpr std::uint8_t kFilterUp = 2;
 
 void put_u32(std::string& out, std::uint32_t value) {
   for (int shift = 24; shift >= 0; shift -= 8) out.push_back(static_cast<char>(value >> shift));
@@ -37,9 +32,10 @@ std::string header(const PackedImage& image, bool indexed) {
   std::string data;
   put_u32(data, static_cast<std::uint32_t>(image.width()));
   put_u32(data, static_cast<std::uint32_t>(image.height()));
-  data.push_back(static_cast<char>(image.bits()));
-  data.push_back(indexed ? 3 : 0);  // colour type: palette or grey
-  data.append(3, '\0');             // deflate, adaptive filters, no interlace
+  const bool is_color = image.bits() == 32;
+  data.push_back(static_cast<char>(is_color ? 8 : image.bits()));
+  data.push_back(indexed ? 3 : is_color ? 6 : 0);  // colour type: palette, colour with alpha, or grey
+  data.append(3, '\0');                            // deflate, adaptive filters, no interlace
   return data;
 }
 
@@ -59,30 +55,6 @@ std::string palette_bytes(const std::vector<Color>& palette) {
     }
   }
   return data;
-}
-
-/// Each row as its difference from the row above, which is mostly zero in a picture of solids.
-std::vector<std::uint8_t> filter_rows(const PackedImage& image) {
-  std::vector<std::uint8_t> filtered = image.bytes();
-  const std::size_t step = image.stride() + 1;
-  filtered[0] = kFilterUp;
-  for (std::size_t row = step; row < filtered.size(); row += step) {
-    const std::uint8_t* current = image.bytes().data() + row;
-    const std::uint8_t* above = current - step;
-    std::uint8_t* out = filtered.data() + row;
-    out[0] = kFilterUp;
-    for (std::size_t i = 1; i < step; ++i) out[i] = static_cast<std::uint8_t>(current[i] - above[i]);
-  }
-  return filtered;
-}
-
-std::string compress(const std::vector<std::uint8_t>& bytes) {
-  const std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)> compressor(
-      libdeflate_alloc_compressor(kDeflateLevel), &libdeflate_free_compressor);
-  if (!compressor) throw std::bad_alloc();
-  std::string out(libdeflate_zlib_compress_bound(compressor.get(), bytes.size()), '\0');
-  out.resize(libdeflate_zlib_compress(compressor.get(), bytes.data(), bytes.size(), out.data(), out.size()));
-  return out;
 }
 
 }  // namespace
@@ -110,6 +82,7 @@ void PackedImage::set(std::int64_t row, std::int64_t column, unsigned value) {
 
 void PackedImage::fill(std::int64_t row, std::int64_t begin, std::int64_t end, unsigned value) {
   if (begin >= end) return;
+  if (bits_ == 32) return fill_colors(row, begin, end, value);
   // 1 / (2^bits - 1) of 255 times the value repeats it through the byte: 0x55 * 3 = 0xFF.
   const auto pattern = static_cast<std::uint8_t>(value * (255u / ((1u << bits_) - 1u)));
   std::uint8_t* bytes = bytes_.data() + static_cast<std::size_t>(row) * (stride_ + 1) + 1;
@@ -128,6 +101,14 @@ void PackedImage::fill(std::int64_t row, std::int64_t begin, std::int64_t end, u
   if (tail != 0) blend(last, tail);
 }
 
+void PackedImage::fill_colors(std::int64_t row, std::int64_t begin, std::int64_t end, unsigned value) {
+  const std::array<std::uint8_t, 4> color = {static_cast<std::uint8_t>(value >> 24),
+                                             static_cast<std::uint8_t>(value >> 16),
+                                             static_cast<std::uint8_t>(value >> 8), static_cast<std::uint8_t>(value)};
+  std::uint8_t* to = bytes_.data() + static_cast<std::size_t>(row) * (stride_ + 1) + 1 + 4 * begin;
+  for (std::int64_t i = begin; i < end; ++i, to += 4) std::memcpy(to, color.data(), 4);
+}
+
 std::array<std::uint32_t, 2> pixels_per_metre(const Grid& grid) {
   const auto rounded = [](double pitch) {
     constexpr double kMax = std::numeric_limits<std::int32_t>::max();
@@ -137,7 +118,8 @@ std::array<std::uint32_t, 2> pixels_per_metre(const Grid& grid) {
 }
 
 std::string encode_png(const PackedImage& image, const PngStyle& style) {
-  const std::string pixels = compress(filter_rows(image));
+  const std::size_t pixel_bytes = std::max(1, image.bits() / 8);
+  const std::string pixels = zlib_rows(image.bytes(), image.stride() + 1, pixel_bytes);
   std::string out("\x89PNG\r\n\x1A\n", 8);
   out.reserve(pixels.size() + 4096);
   put_chunk(out, "IHDR", header(image, !style.palette.empty()));

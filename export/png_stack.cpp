@@ -1,5 +1,6 @@
 #include "export/png_stack.h"
 
+#include <functional>
 #include <span>
 #include <string>
 #include <utility>
@@ -26,13 +27,25 @@ std::int64_t picture_row(const Grid& grid, std::size_t row) {
 /// One row's run of one material.
 struct RowRun {
   std::int64_t picture_row;
-  PixelRun pixels;
+  LabelRun pixels;
 };
+
+/// Calls visit(picture_row, run) for the runs of a layer, rows from the first to the last.
+template <class Visit>
+void visit_runs(const Layer& layer, const Grid& grid, const Visit& visit) {
+  const RowRaster raster(grid);
+  std::vector<LabelRun> runs;
+  for (std::size_t row = 0; row < layer.raster.rows(); ++row) {
+    runs.clear();
+    raster.append_runs(layer.raster.row(row), runs);
+    for (const LabelRun& run : runs) visit(picture_row(grid, row), run);
+  }
+}
 
 /// Black pictures with the material in white, one stack per material.
 class PngSink final : public LayerSink {
  public:
-  explicit PngSink(std::filesystem::path folder) : folder_(std::move(folder), ".png", true) {}
+  explicit PngSink(std::filesystem::path folder) : folder_(std::move(folder), {.folder_per_material = true}) {}
 
   void begin(const BuildInfo& info) override {
     check_build(info);
@@ -42,11 +55,13 @@ class PngSink final : public LayerSink {
     folder_.open(info);
   }
 
-  void write(const Layer& layer) override {
+  void write(const Layer& layer) override { prepare(layer)(); }
+
+  [[nodiscard]] std::function<void()> prepare(const Layer& layer) override {
     check_layer(layer, info_);
     const auto runs = runs_by_material(layer);
-    parallel_for(runs.size(), [&](std::size_t m) { folder_.write_image(layer, m, picture(runs[m])); });
-    folder_.add_layer(layer);
+    parallel_for_within(runs.size(), [&](std::size_t m) { folder_.write_image(layer.index, m, picture(runs[m])); });
+    return [this, layer = layer.index] { folder_.add_layer(layer, info_.plan.layers[layer]); };
   }
 
   void finish(const SliceReport&) override { folder_.close(); }
@@ -63,14 +78,10 @@ class PngSink final : public LayerSink {
   }
 
   [[nodiscard]] std::vector<std::vector<RowRun>> runs_by_material(const Layer& layer) const {
-    const Grid& grid = info_.plan.grid;
     std::vector<std::vector<RowRun>> runs(info_.materials.size());
-    for (std::size_t row = 0; row < layer.raster.rows(); ++row) {
-      for (const Segment& segment : layer.raster.row(row)) {
-        const PixelRun pixels = pixels_of(segment, grid);
-        if (pixels.begin < pixels.end) runs[segment.material.value()].push_back({picture_row(grid, row), pixels});
-      }
-    }
+    visit_runs(layer, info_.plan.grid, [&](std::int64_t row, const LabelRun& run) {
+      runs[run.label - 1].push_back({row, run});
+    });
     return runs;
   }
 
@@ -90,7 +101,7 @@ int index_bits(std::size_t values) {
 /// One picture per layer whose pixels are material numbers.
 class IndexedPngSink final : public LayerSink {
  public:
-  explicit IndexedPngSink(std::filesystem::path folder) : folder_(std::move(folder), ".png", false) {}
+  explicit IndexedPngSink(std::filesystem::path folder) : folder_(std::move(folder), {}) {}
 
   void begin(const BuildInfo& info) override {
     check_build(info);
@@ -108,18 +119,16 @@ class IndexedPngSink final : public LayerSink {
     folder_.open(info);
   }
 
-  void write(const Layer& layer) override {
+  void write(const Layer& layer) override { prepare(layer)(); }
+
+  [[nodiscard]] std::function<void()> prepare(const Layer& layer) override {
     check_layer(layer, info_);
     const Grid& grid = info_.plan.grid;
     PackedImage image(grid.size[0], grid.size[1], bits_);
-    for (std::size_t row = 0; row < layer.raster.rows(); ++row) {
-      for (const Segment& segment : layer.raster.row(row)) {
-        const PixelRun pixels = pixels_of(segment, grid);
-        image.fill(picture_row(grid, row), pixels.begin, pixels.end, 1 + segment.material.value());
-      }
-    }
-    folder_.write_image(layer, 0, encode_png(image, style_));
-    folder_.add_layer(layer);
+    visit_runs(layer, grid,
+               [&](std::int64_t row, const LabelRun& run) { image.fill(row, run.begin, run.end, run.label); });
+    folder_.write_image(layer.index, 0, encode_png(image, style_));
+    return [this, layer = layer.index] { folder_.add_layer(layer, info_.plan.layers[layer]); };
   }
 
   void finish(const SliceReport&) override { folder_.close(); }

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "export/raster_row.h"
-
 namespace lamella {
 
 namespace {
@@ -32,7 +30,7 @@ void enter(std::vector<std::uint32_t>& states, std::int64_t first, std::int64_t 
 
 }  // namespace
 
-Slab::Slab(const Grid& grid) : grid_(grid) {}
+Slab::Slab(const Grid& grid) : grid_(grid), raster_(grid) {}
 
 void Slab::reset(std::int64_t index) {
   index_ = index;
@@ -40,23 +38,11 @@ void Slab::reset(std::int64_t index) {
   for (auto& starts : row_start_) starts.clear();
 }
 
-void Slab::add(const Layer& layer) {
-  auto& starts = row_start_[layer.index % kLeafSide];
+void Slab::add(const Layer& layer, std::int64_t slice) {
+  auto& starts = row_start_[static_cast<std::size_t>(slice % kLeafSide)];
   starts.assign(1, runs_.size());
   for (std::size_t row = 0; row < layer.raster.rows(); ++row) {
-    for (const Segment& segment : layer.raster.row(row)) {
-      const PixelRun pixels = pixels_of(segment, grid_);
-      if (pixels.begin == pixels.end) continue;
-      const LabelRun run{static_cast<std::int32_t>(pixels.begin), static_cast<std::int32_t>(pixels.end),
-                         1 + segment.material.value()};
-      const bool continues =
-          runs_.size() > starts.back() && runs_.back().end == run.begin && runs_.back().label == run.label;
-      if (continues) {
-        runs_.back().end = run.end;
-      } else {
-        runs_.push_back(run);
-      }
-    }
+    raster_.append_runs(layer.raster.row(row), runs_);
     starts.push_back(runs_.size());
   }
 }

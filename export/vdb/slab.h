@@ -6,37 +6,29 @@
 #include <span>
 #include <vector>
 
-#include "slicing/layer.h"
-#include "slicing/layer_plan.h"
+#include "export/raster_row.h"
 
 namespace lamella {
 
 /// Side of a leaf node of an OpenVDB tree, in voxels.
 inline constexpr std::int64_t kLeafSide = 8;
 
-/// Voxels [begin, end) of a row with label 1 + material.
-struct LabelRun {
-  std::int32_t begin = 0;
-  std::int32_t end = 0;
-  std::uint32_t label = 0;
-};
-
 /// Labels of the 512 voxels of a leaf in OpenVDB's order, x * 64 + y * 8 + z; 0 is void.
 using LeafLabels = std::array<std::uint32_t, 512>;
 
-/// Up to eight layers that share leaf nodes, as runs. Turns them into leaves of one label and leaves of several; only
+/// Up to eight slices that share leaf nodes, as runs. Turns them into leaves of one label and leaves of several; only
 /// the latter are ever looked at voxel by voxel.
 class Slab {
  public:
   explicit Slab(const Grid& grid);
 
-  /// Layers k with k / 8 = index() belong to the slab.
+  /// Slices k with k / 8 = index() belong to the slab.
   [[nodiscard]] std::int64_t index() const { return index_; }
   [[nodiscard]] bool empty() const { return runs_.empty(); }
-  /// Empties the slab for the layers of another index.
+  /// Empties the slab for the slices of another index.
   void reset(std::int64_t index);
-  /// Adds a layer that belongs to the slab and hasn't been added yet.
-  void add(const Layer& layer);
+  /// Adds a layer as a slice that belongs to the slab and hasn't been added yet.
+  void add(const Layer& layer, std::int64_t slice);
 
   /// Receives each leaf that isn't void, at leaf coordinates (i, j) in the layers' plane, in a fixed order.
   struct Visitor {
@@ -52,6 +44,7 @@ class Slab {
   void fill_mixed(std::int64_t band);
 
   Grid grid_;
+  RowRaster raster_;
   std::int64_t index_ = 0;
   std::vector<LabelRun> runs_;
   std::array<std::vector<std::uint64_t>, kLeafSide> row_start_;  ///< by z; empty where there is no layer

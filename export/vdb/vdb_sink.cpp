@@ -17,6 +17,7 @@
 #include "export/file_name.h"
 #include "export/mixed_row.h"
 #include "export/output_file.h"
+#include "export/uniform_z.h"
 #include "export/vdb/slab.h"
 
 namespace lamella {
@@ -24,7 +25,6 @@ namespace lamella {
 namespace {
 
 constexpr std::int64_t kMaxVoxelsPerAxis = std::int64_t{1} << 20;
-constexpr double kUniformLayers = 1e-6;  // of the pitch: no voxel is displaced by more than that
 constexpr const char* kCreator = "Lamella";
 
 void initialise_library() {
@@ -73,15 +73,20 @@ class GridBuilder {
   template <class ValueOf>
   void add_leaf(const openvdb::Coord& corner, const LeafLabels& labels, ValueOf value_of) {
     std::array<Value, 512> values;
-    for (std::size_t n = 0; n < 512; ++n) values[n] = value_of(labels[n]);
-    const bool uniform = std::all_of(values.begin(), values.end(), [&](Value v) { return v == values[0]; });
+    bool uniform = true;
+    for (std::size_t n = 0; n < 512; ++n) {
+      values[n] = value_of(labels[n]);
+      uniform &= values[n] == values[0];
+    }
     if (uniform) {
       if (values[0] != Value(0)) add_tile(corner, values[0]);
       return;
     }
     typename GridT::TreeType::LeafNodeType::NodeMaskType active;
-    for (openvdb::Index32 n = 0; n < 512; ++n) {
-      if (values[n] != Value(0)) active.setOn(n);
+    for (openvdb::Index32 word = 0; word < 8; ++word) {
+      std::uint64_t bits = 0;
+      for (std::size_t n = 0; n < 64; ++n) bits |= std::uint64_t{values[64 * word + n] != Value(0)} << n;
+      active.template getWord<openvdb::Index64>(word) = bits;
     }
     auto* leaf = accessor_.touchLeaf(corner);
     std::copy(values.begin(), values.end(), leaf->buffer().data());
@@ -103,8 +108,8 @@ using IntBuilder = GridBuilder<openvdb::Int32Grid>;
 /// All grids of one build.
 class GridSet {
  public:
-  GridSet(const BuildInfo& info, const VdbOptions& options)
-      : transform_(make_transform(info.plan.grid)), density_("density"), material_("material") {
+  GridSet(const BuildInfo& info, const Grid& grid, const VdbOptions& options)
+      : transform_(make_transform(grid)), density_("density"), material_("material") {
     std::vector<std::string> names;
     for (const Material& material : info.materials) names.push_back(material.name);
     for (const std::string& name : safe_file_names(names)) masks_.emplace_back("density_" + name);
@@ -123,12 +128,8 @@ class GridSet {
     density_.add_leaf(corner, labels, [](std::uint32_t label) { return label != 0 ? 1.0f : 0.0f; });
     material_.add_leaf(corner, labels, [](std::uint32_t label) { return static_cast<float>(label); });
     if (ids_) ids_->add_leaf(corner, labels, [](std::uint32_t label) { return static_cast<std::int32_t>(label); });
-    LeafLabels distinct = labels;
-    std::sort(distinct.begin(), distinct.end());
-    const auto end = std::unique(distinct.begin(), distinct.end());
-    for (auto label = distinct.begin(); label != end; ++label) {
-      if (*label == 0) continue;
-      masks_[*label - 1].add_leaf(corner, labels, [&](std::uint32_t l) { return l == *label ? 1.0f : 0.0f; });
+    for (const std::uint32_t label : distinct(labels)) {
+      masks_[label - 1].add_leaf(corner, labels, [&](std::uint32_t l) { return l == label ? 1.0f : 0.0f; });
     }
   }
 
@@ -159,6 +160,19 @@ class GridSet {
   }
 
  private:
+  /// The materials' labels among those of a leaf, few as a rule.
+  const std::vector<std::uint32_t>& distinct(const LeafLabels& labels) {
+    distinct_.clear();
+    std::uint32_t last = 0;
+    for (const std::uint32_t label : labels) {
+      if (label == last || label == 0) continue;
+      last = label;
+      if (std::find(distinct_.begin(), distinct_.end(), label) == distinct_.end()) distinct_.push_back(label);
+    }
+    std::sort(distinct_.begin(), distinct_.end());
+    return distinct_;
+  }
+
   /// Index (i, j, k) goes to the centre of its voxel in mm (command.md, raster lattice).
   static openvdb::math::Transform::Ptr make_transform(const Grid& grid) {
     const Vec3 centre = grid.origin + 0.5 * grid.pitch;
@@ -205,6 +219,7 @@ class GridSet {
   FloatBuilder material_;
   std::vector<FloatBuilder> masks_;
   std::optional<IntBuilder> ids_;
+  std::vector<std::uint32_t> distinct_;  ///< memory of distinct()
 };
 
 /// Writes `digest` in the place of the random UUID that OpenVDB puts into a file's header, so that the same build gives
@@ -217,25 +232,18 @@ void set_file_id(std::ostream& stream, const std::string& digest) {
   stream.write(id.data(), static_cast<std::streamsize>(id.size()));
 }
 
-void check_uniform_layers(const LayerPlan& plan) {
-  const double pitch = plan.grid.pitch.z();
-  for (std::size_t k = 0; k < plan.layers.size(); ++k) {
-    const double expected = plan.grid.origin.z() + (static_cast<double>(k) + 0.5) * pitch;
-    if (!(std::abs(plan.layers[k].z_sample - expected) <= kUniformLayers * pitch)) {
-      throw UsageError("layers of different thickness do not fit the uniform voxels of a VDB",
-                       "layer " + std::to_string(k), "slice with a uniform --layer-height");
-    }
-  }
-}
-
 class VdbSink final : public LayerSink {
  public:
   VdbSink(std::filesystem::path path, const VdbOptions& options) : path_(std::move(path)), options_(options) {}
 
   void begin(const BuildInfo& info) override {
     check_build(info);
-    check_uniform_layers(info.plan);
-    for (std::int64_t size : info.plan.grid.size) {
+    uniform_.emplace(info.plan, options_.z_pitch, "a VDB");
+    Grid grid = info.plan.grid;
+    grid.origin.z() = uniform_->bottom();
+    grid.pitch.z() = uniform_->pitch();
+    grid.size[2] = uniform_->count();
+    for (std::int64_t size : grid.size) {
       if (size > kMaxVoxelsPerAxis) {
         throw UsageError("a VDB takes at most 2^20 voxels along an axis", path_.string(), "choose a coarser --pitch");
       }
@@ -243,8 +251,8 @@ class VdbSink final : public LayerSink {
     initialise_library();
     info_ = info;
     file_.emplace(path_);
-    grids_.emplace(info, options_);
-    slab_.emplace(info.plan.grid);
+    grids_.emplace(info, grid, options_);
+    slab_.emplace(grid);
     for (const Material& material : info.materials) digest_.update(std::as_bytes(std::span(material.name)));
   }
 
@@ -252,10 +260,13 @@ class VdbSink final : public LayerSink {
     check_layer(layer, info_);
     if (last_ && layer.index <= *last_) throw ExportError("layers are not in order", path_.string());
     last_ = layer.index;
-    const std::int64_t slab = layer.index / kLeafSide;
-    if (slab != slab_->index()) flush(slab);
-    slab_->add(layer);
-    if (!layer.raster.mixtures.empty()) mixed_.push_back(layer);
+    const SliceRange slices = uniform_->slices(layer.index);
+    for (std::int64_t slice = slices.begin; slice < slices.end; ++slice) {
+      const std::int64_t slab = slice / kLeafSide;
+      if (slab != slab_->index()) flush(slab);
+      slab_->add(layer, slice);
+      if (!layer.raster.mixtures.empty()) mixed_.push_back({slice, layer});
+    }
     add_to_digest(layer);
   }
 
@@ -291,12 +302,12 @@ class VdbSink final : public LayerSink {
   /// Fractions go over the leaves that the slab's labels made.
   void add_mixed_layers() {
     MixedRowReader reader(info_);
-    for (const Layer& layer : mixed_) {
+    for (const auto& [slice, layer] : mixed_) {
       for (std::size_t row = 0; row < layer.raster.rows(); ++row) {
         reader.read(layer, row, [&](const MixedRun& run) {
           if (run.materials.size() < 2) return;
           const openvdb::Coord first(static_cast<int>(run.pixels.begin), static_cast<int>(row),
-                                     static_cast<int>(layer.index));
+                                     static_cast<int>(slice));
           grids_->add_fractions(first, run);
         });
       }
@@ -318,7 +329,8 @@ class VdbSink final : public LayerSink {
   std::optional<OutputFile> file_;
   std::optional<GridSet> grids_;
   std::optional<Slab> slab_;
-  std::vector<Layer> mixed_;  ///< of the slab, those with graded segments
+  std::optional<UniformZ> uniform_;
+  std::vector<std::pair<std::int64_t, Layer>> mixed_;  ///< slices of the slab with graded segments
   std::optional<std::uint32_t> last_;
   Sha256 digest_;
 };

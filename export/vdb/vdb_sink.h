@@ -2,13 +2,15 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "slicing/layer_sink.h"
 
 namespace lamella {
 
 struct VdbOptions {
-  bool integer_ids = false;  ///< also an Int32 grid `material_id` (pyopenvdb can't read it)
+  bool integer_ids = false;       ///< also an Int32 grid `material_id` (pyopenvdb can't read it)
+  std::optional<double> z_pitch;  ///< mm, see UniformZ
 };
 
 /// One OpenVDB file: fog `density`, one float mask `density_<material>` each, float `material` ids (0 void, 1 + id),

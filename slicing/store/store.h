@@ -41,7 +41,7 @@ class StoreReader {
   /// to a group. Throws InputError.
   void check_links() const;
 
-  /// Streams the layers of `range` to `sink` in increasing z: begin, write ..., finish.
+  /// Streams the layers of `range` to `sink` in increasing z: begin, prepare and its rest ..., finish; on all cores.
   void replay(LayerSink& sink, LayerRange range = {}, const Progress& progress = {}) const;
 
  private:

@@ -1,7 +1,11 @@
 #include <algorithm>
+#include <functional>
 #include <mutex>
 #include <utility>
+#include <vector>
 
+#include "core/ordered_pipeline.h"
+#include "core/parallel.h"
 #include "slicing/layer_check.h"
 #include "slicing/store/build_file.h"
 #include "slicing/store/hdf5.h"
@@ -90,6 +94,28 @@ void StoreReader::check_links() const {
   }
 }
 
+namespace {
+
+/// Reads layers and prepares them for the sink in parallel while others, in order, are written.
+void replay_layers(const StoreReader& reader, LayerSink& sink, LayerRange range, const Progress& progress) {
+  const std::size_t count = range.last - range.first;
+  std::vector<Layer> layers(2 * static_cast<std::size_t>(count_threads(0)));
+  std::vector<std::function<void()>> rests(layers.size());
+  const auto read = [&](std::size_t item, std::size_t slot) {
+    progress.throw_if_cancelled();
+    layers[slot] = reader.read_layer(range.first + static_cast<std::uint32_t>(item));
+    rests[slot] = sink.prepare(layers[slot]);
+  };
+  const auto write = [&](std::size_t item, std::size_t slot) {
+    progress.throw_if_cancelled();
+    std::exchange(rests[slot], nullptr)();
+    progress.report("reading layers", static_cast<double>(item + 1) / static_cast<double>(count));
+  };
+  ordered_pipeline(count, layers.size(), read, write);
+}
+
+}  // namespace
+
 void StoreReader::replay(LayerSink& sink, LayerRange range, const Progress& progress) const {
   const auto count = static_cast<std::uint32_t>(data_->build.layers.size());
   const std::uint32_t last = std::min(range.last, count);
@@ -99,11 +125,7 @@ void StoreReader::replay(LayerSink& sink, LayerRange range, const Progress& prog
   }
   try {
     sink.begin(info());
-    for (std::uint32_t index = range.first; index < last; ++index) {
-      progress.throw_if_cancelled();
-      sink.write(read_layer(index));
-      progress.report("reading layers", static_cast<double>(index + 1 - range.first) / (last - range.first));
-    }
+    replay_layers(*this, sink, {range.first, last}, progress);
     sink.finish(report());
   } catch (const Cancelled&) {
     throw;

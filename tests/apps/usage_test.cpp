@@ -86,7 +86,7 @@ INSTANTIATE_TEST_SUITE_P(
         Misuse{"export build --to gcode -o f.gcode --plan p.xml", "--machine"},
         Misuse{"export build --to xml -o f.xml --plan p.xml", "gcode"},
         Misuse{"slice x.step -o out --gcode f.gcode", "--plan"}, Misuse{"export build --to png", "--output"},
-        Misuse{"export build --to gif -o t", "available: png, png-indexed, png-grey, vdb, xml"},
+        Misuse{"export build --to gif -o t", "available: png, png-indexed, png-grey, png-coverage, polyjet, tiff, sl1, vdb, vti, nrrd, mhd, xml"},
         Misuse{"export build --to jpeg -o t", "available"},
         Misuse{"export build --to xml -o t.xml --layers 5", "--layers"},
         Misuse{"export build --to xml -o t.xml --layers 7:3", "--layers"},

@@ -1,10 +1,12 @@
-"""Prints layer 1 of a small two-material part as each format has it, one picture per format, largest y at the top.
+"""Prints an upper layer of a small two-material part as each format has it, one picture per format, largest y at the top.
 
     orientation.py FOLDER NX NY
 
-Readers: Pillow, Python's own XML parser and pyopenvdb. `.` is void, `0` and `1` are the materials.
+Readers: Pillow, tifffile, teem, Python's own XML parser and pyopenvdb. `.` is void, `0` and `1` are the materials.
 """
 
+import pathlib
+import subprocess
 import sys
 import xml.etree.ElementTree as tree
 
@@ -50,7 +52,36 @@ def vdb():
     return voxels[:, :, 1].T[::-1]
 
 
+def grey_stacks(name):
+    picture = numpy.zeros((ny, nx), dtype=int)
+    for label, material in ((1, "steel"), (2, "marker")):
+        picture += label * (numpy.asarray(Image.open(f"{folder}/{name}/{material}/layer_000001.png")) == 255)
+    return picture
+
+
+def read_by(script, *arguments):
+    """The labels that another script of this folder reads, by slice."""
+    command = ["/usr/bin/python3", pathlib.Path(__file__).parent / script, *arguments]
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+
+
+def volume(file):
+    read_by("read_volume.py", f"{folder}/{file}", f"{folder}/labels")
+    return numpy.fromfile(f"{folder}/labels", dtype="<u2").reshape(2, ny, nx)[1, ::-1]
+
+
+def printer(kind, layer):
+    read_by("read_printer_format.py", kind, f"{folder}/{kind}", f"{folder}/labels", "steel", "marker")
+    return numpy.fromfile(f"{folder}/labels", dtype=numpy.uint8).reshape(-1, ny, nx)[layer]
+
+
 show("png", png_stacks())
 show("png-indexed", numpy.asarray(Image.open(f"{folder}/indexed/layer_000001.png")))
 show("xml", xml_slices())
 show("vdb", vdb())
+show("grey", grey_stacks("grey"))
+show("coverage", grey_stacks("coverage"))
+show("polyjet", printer("polyjet", 15))
+show("sl1", printer("sl1", 1))
+for file in ("a.tif", "a.nrrd", "a.mhd", "a.vti"):
+    show(file, volume(file))

@@ -44,9 +44,11 @@ PngPicture read_png(const std::filesystem::path& file) {
   read_palette(png, info, picture);
 
   png_set_packing(png);
-  picture.pixels.resize(static_cast<std::size_t>(picture.width * picture.height));
+  png_read_update_info(png, info);
+  const auto row_bytes = static_cast<std::int64_t>(png_get_rowbytes(png, info));
+  picture.pixels.resize(static_cast<std::size_t>(row_bytes * picture.height));
   for (std::int64_t row = 0; row < picture.height; ++row) {
-    png_read_row(png, picture.pixels.data() + row * picture.width, nullptr);
+    png_read_row(png, picture.pixels.data() + row * row_bytes, nullptr);
   }
   png_read_end(png, nullptr);
   png_destroy_read_struct(&png, &info, nullptr);

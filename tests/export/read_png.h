@@ -16,10 +16,15 @@ struct PngPicture {
   std::array<std::uint32_t, 2> pixels_per_metre{};
   std::vector<std::array<std::uint8_t, 3>> palette;
   std::vector<std::uint8_t> alpha;   ///< tRNS of the palette
-  std::vector<std::uint8_t> pixels;  ///< unpacked, row 0 at the top
+  std::vector<std::uint8_t> pixels;  ///< unpacked, row 0 at the top; of 16 bits the high byte first
 
   [[nodiscard]] int at(std::int64_t column, std::int64_t row) const {
     return pixels[static_cast<std::size_t>(row * width + column)];
+  }
+  /// Of pictures of 16 bits.
+  [[nodiscard]] int at16(std::int64_t column, std::int64_t row) const {
+    const auto at = static_cast<std::size_t>(2 * (row * width + column));
+    return 256 * pixels[at] + pixels[at + 1];
   }
 };
 

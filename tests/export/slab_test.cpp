@@ -47,7 +47,7 @@ TEST(Slab, GivesEveryVoxelTheLabelOfTheSegmentAtItsCentre) {
     for (std::int64_t k = 8; k < 16; ++k) {
       if (trial % 3 == 0 && k % 3 == 0) continue;  // a layer may be left out
       const Layer layer = random_layer(info, k, random);
-      slab.add(layer);
+      slab.add(layer, layer.index);
       for (std::int64_t j = 0; j < ny; ++j) {
         for (std::int64_t i = 0; i < nx; ++i) {
           expected[static_cast<std::size_t>(((k - 8) * ny + j) * nx + i)] =
@@ -63,7 +63,7 @@ TEST(Slab, KeepsTheInsideOfASolidAsWholeLeaves) {
   const BuildInfo info = build_of_size(80, 40, 8);
   Slab slab(info.plan.grid);
   slab.reset(0);
-  for (std::int64_t k = 0; k < 8; ++k) slab.add(layer_of_labels(info, k, [](auto, auto, auto) { return 1; }));
+  for (std::int64_t k = 0; k < 8; ++k) slab.add(layer_of_labels(info, k, [](auto, auto, auto) { return 1; }), k);
   int uniform = 0;
   labels_of(slab, 80, 40, &uniform);
   EXPECT_EQ(uniform, 10 * 5);
@@ -81,7 +81,7 @@ TEST(Slab, UnitesTouchingSegmentsOfOneMaterial) {
       layer.raster.segments[layer.raster.segments.size() - 2].x_end = 9.1;
       end_row(layer.raster);
     }
-    slab.add(layer);
+    slab.add(layer, layer.index);
   }
   int uniform = 0;
   labels_of(slab, 16, 8, &uniform);
@@ -91,7 +91,7 @@ TEST(Slab, UnitesTouchingSegmentsOfOneMaterial) {
 TEST(Slab, IsEmptyAfterReset) {
   const BuildInfo info = build_of_size(9, 9, 8);
   Slab slab(info.plan.grid);
-  slab.add(layer_of_labels(info, 0, [](auto, auto, auto) { return 0; }));
+  slab.add(layer_of_labels(info, 0, [](auto, auto, auto) { return 0; }), 0);
   slab.reset(1);
   EXPECT_TRUE(slab.empty());
   slab.visit({[](auto, auto, auto) { FAIL(); }, [](auto, auto, const auto&) { FAIL(); }});

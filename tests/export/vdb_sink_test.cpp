@@ -184,10 +184,31 @@ TEST(VdbSink, HostileNamesStayReadable) {
   EXPECT_EQ(vdb.items.count("active density_unnamed"), 1u);
 }
 
-TEST(VdbSink, RefusesLayersOfDifferentThickness) {
+TEST(VdbSink, ThickLayersAreRepeatedAsSlices) {
+  Grid grid = small_grid();
+  grid.size[2] = 3;
+  const TemporaryFolder folder;
+  BuildInfo info = make_build(grid, {"steel", "rubber"});
+  info.plan.layers = {{0.7, 0.75, 0.8}, {0.8, 1.05, 1.3}, {1.3, 1.4, 1.5}};  // 1, 5 and 2 slices
+  const auto layers = random_layers(info);
+  feed(*make_vdb_sink(folder / "a.vdb"), info, layers);
+  grid.size[2] = 8;
+  const auto vdb = describe(folder / "a.vdb", grid, "");
+  std::string expected;
+  for (const std::size_t k : {0U, 1U, 1U, 1U, 1U, 1U, 2U, 2U}) {
+    for (std::int64_t j = 0; j < 21; ++j) {
+      for (std::int64_t i = 0; i < 53; ++i) expected += static_cast<char>(1 + label_of(layers[k], grid, i, j));
+    }
+  }
+  EXPECT_EQ(vdb.labels, expected);
+  EXPECT_NEAR(std::stod(vdb.items.at("centre material").substr(vdb.items.at("centre material").rfind(' '))), 0.75,
+              1e-12);
+}
+
+TEST(VdbSink, RefusesLayersWithoutACommonMeasure) {
   const TemporaryFolder folder;
   BuildInfo info = make_build(small_grid(), {"steel"});
-  info.plan.layers[7].z_sample += 0.001;
+  info.plan.layers[7].z_top += 0.0012345678;
   EXPECT_THROW(make_vdb_sink(folder / "a.vdb")->begin(info), UsageError);
   EXPECT_TRUE(fs::is_empty(folder.path()));
 }

@@ -1,0 +1,105 @@
+#include "export/mhd_file.h"
+
+#include <fmt/format.h>
+#include <fstream>
+#include <optional>
+#include <zlib.h>
+
+#include "core/atomic_file.h"
+#include "core/error.h"
+#include "core/xml.h"
+#include "export/deflate_writer.h"
+#include "export/headed_file.h"
+
+namespace lamella {
+
+namespace {
+
+constexpr std::string_view kFirstLine = "ObjectType = Image";
+
+std::string vector_text(const Vec3& v) {
+  return fmt::format("{} {} {}", format_double(v.x()), format_double(v.y()), format_double(v.z()));
+}
+
+std::string big_endian(std::uint32_t value) {
+  std::string out;
+  for (int shift = 24; shift >= 0; shift -= 8) out.push_back(static_cast<char>(value >> shift));
+  return out;
+}
+
+class MhdFile final : public VolumeFile {
+ public:
+  MhdFile(std::filesystem::path path, bool is_raw) : path_(std::move(path)), data_path_(path_), is_raw_(is_raw) {
+    data_path_.replace_extension(is_raw ? ".raw" : ".zraw");
+    if (data_path_ == path_)
+      throw UsageError("the header would have the name of its data", path_.string(), "name it .mhd");
+  }
+
+  void begin(const BuildInfo&, const Volume& volume) override {
+    volume_ = volume;
+    prepare_target(path_);
+    data_.emplace(data_path_, 0);
+    if (!is_raw_) data_->append("\x78\x01");  // zlib
+  }
+
+  [[nodiscard]] EncodedSlice encode(std::span<const std::uint8_t> labels) const override {
+    if (is_raw_) return {{labels.begin(), labels.end()}};
+    return {deflate_rows(labels, volume_.row_bytes(), static_cast<std::size_t>(volume_.label_bytes), true),
+            static_cast<std::uint32_t>(adler32_z(1, labels.data(), labels.size()))};
+  }
+
+  void add(const EncodedSlice& slice) override {
+    data_->append(slice.bytes);
+    sum_ = adler32_combine(sum_, slice.checksum, static_cast<z_off_t>(volume_.slice_bytes()));
+  }
+
+  void finish(const Volume& volume) override {
+    if (!is_raw_) data_->append(deflate_rows({}, 1, 1) + big_endian(static_cast<std::uint32_t>(sum_)));
+    data_->commit();
+    write_file_atomically(path_, header_text(volume));
+  }
+
+ private:
+  [[nodiscard]] std::string header_text(const Volume& volume) const {
+    std::string out = fmt::format("{}\n", kFirstLine);
+    out += "NDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n";
+    out += fmt::format("CompressedData = {}\n", is_raw_ ? "False" : "True");
+    if (!is_raw_) out += fmt::format("CompressedDataSize = {}\n", data_->appended());
+    out += "TransformMatrix = 1 0 0 0 1 0 0 0 1\n";
+    out += fmt::format("Offset = {}\nCenterOfRotation = 0 0 0\nElementSpacing = {}\n",
+                       vector_text(volume.first_centre()), vector_text(volume.pitch));
+    out += fmt::format("DimSize = {} {} {}\n", volume.size[0], volume.size[1], volume.size[2]);
+    out += fmt::format("ElementType = {}\nElementDataFile = {}\n", volume.label_bytes == 1 ? "MET_UCHAR" : "MET_USHORT",
+                       data_path_.filename().string());
+    return out;
+  }
+
+  std::filesystem::path path_;
+  std::filesystem::path data_path_;
+  bool is_raw_;
+  Volume volume_;
+  std::optional<HeadedFile> data_;
+  uLong sum_ = 1;
+};
+
+}  // namespace
+
+std::filesystem::path mhd_data_file(const std::filesystem::path& file) {
+  constexpr std::string_view kKey = "ElementDataFile = ";
+  std::ifstream stream(file);
+  std::string line;
+  if (!std::getline(stream, line) || line != kFirstLine) return {};
+  while (std::getline(stream, line)) {
+    if (!line.starts_with(kKey)) continue;
+    const std::filesystem::path data = file.parent_path() / line.substr(kKey.size());
+    std::error_code failure;
+    return std::filesystem::is_regular_file(data, failure) ? data : std::filesystem::path();
+  }
+  return {};
+}
+
+std::unique_ptr<LayerSink> make_mhd_sink(const std::filesystem::path& file, const VolumeOptions& options) {
+  return make_volume_sink(std::make_unique<MhdFile>(file, options.is_raw), options, "MetaImage");
+}
+
+}  // namespace lamella

@@ -1,0 +1,155 @@
+#include "export/sl1_archives.h"
+
+#include <deque>
+#include <fmt/format.h>
+#include <functional>
+#include <vector>
+
+#include "core/atomic_file.h"
+#include "core/error.h"
+#include "core/parallel.h"
+#include "core/xml.h"
+#include "export/build_check.h"
+#include "export/file_name.h"
+#include "export/png_image.h"
+#include "export/raster_row.h"
+#include "export/uniform_z.h"
+#include "export/zip_writer.h"
+
+namespace lamella {
+
+namespace {
+
+constexpr unsigned kWhite = 255;
+
+/// `text` as the value of a key: one line.
+std::string one_line(std::string text) {
+  for (char& c : text) c = static_cast<unsigned char>(c) < ' ' ? ' ' : c;
+  return text;
+}
+
+/// config.ini, by which a printer knows the job. Times are neutral: they are the printer's to choose.
+std::string config_text(const Material& material, const std::string& job, double height, std::int64_t layers,
+                        double used_ml) {
+  std::string out = "action = print\nexpTime = 0\nexpTimeFirst = 0\nexpUserProfile = 0\n";
+  out += "fileCreationTimestamp = 1980-01-01 at 00:00:00 UTC\nhollow = 0\n";
+  out += fmt::format("jobDir = {}\nlayerHeight = {}\nmaterialName = {}\n", job, format_double(height),
+                     one_line(material.name));
+  out += fmt::format("numFade = 0\nnumFast = {}\nnumSlow = 0\n", layers);
+  out += "printProfile = Lamella\nprintTime = 0\nprinterModel = SL1\nprinterProfile = Lamella\n";
+  out += "printerVariant = default\nprusaSlicerVersion = Lamella\n";
+  return out + fmt::format("usedMaterial = {}\n", format_double(used_ml));
+}
+
+/// prusaslicer.ini, by which the archive can be imported again: the display is the raster.
+std::string display_text(const Grid& grid, double height) {
+  const auto length = [&](int axis) { return format_double(static_cast<double>(grid.size[axis]) * grid.pitch[axis]); };
+  std::string out = "display_height = " + length(1) + "\ndisplay_mirror_x = 0\ndisplay_mirror_y = 0\n";
+  out += "display_orientation = landscape\n";
+  out += fmt::format("display_pixels_x = {}\ndisplay_pixels_y = {}\n", grid.size[0], grid.size[1]);
+  out += "display_width = " + length(0) + "\n";
+  return out + fmt::format("initial_layer_height = {0}\nlayer_height = {0}\nprinter_technology = SLA\n",
+                           format_double(height));
+}
+
+/// The picture of one material in one layer.
+struct Mask {
+  std::string png;
+  std::int64_t pixels = 0;  ///< that are white
+};
+
+class Sl1Sink final : public LayerSink {
+ public:
+  Sl1Sink(std::filesystem::path folder, const Sl1Options& options) : folder_(std::move(folder)), options_(options) {}
+
+  void begin(const BuildInfo& info) override {
+    check_build(info);
+    info_ = info;
+    uniform_.emplace(info.plan, options_.z_pitch, "SL1");
+    style_.pixels_per_metre = pixels_per_metre(info.plan.grid);
+    blank_ = encode_png(blank_image(), style_);
+    std::vector<std::string> names;
+    for (const Material& material : info.materials) names.push_back(material.name);
+    jobs_ = safe_file_names(names);
+    make_folder(folder_);
+    for (const std::string& job : jobs_) archives_.emplace_back(folder_ / (job + ".sl1"));
+    pixels_.assign(jobs_.size(), 0);
+  }
+
+  void write(const Layer& layer) override { prepare(layer)(); }
+
+  [[nodiscard]] std::function<void()> prepare(const Layer& layer) override {
+    check_layer(layer, info_);
+    const SliceRange slices = uniform_->slices(layer.index);
+    if (slices.begin == slices.end) return [] {};
+    return [this, slices, masks = masks_of(layer)] {
+      for (std::int64_t slice = slices.begin; slice < slices.end; ++slice) add(masks);
+    };
+  }
+
+  void finish(const SliceReport&) override {
+    const Vec3& pitch = info_.plan.grid.pitch;
+    const double pixel_ml = pitch.x() * pitch.y() * uniform_->pitch() / 1000.0;
+    for (std::size_t m = 0; m < archives_.size(); ++m) {
+      const Material& material = info_.materials[MaterialId{m}];
+      const double used = static_cast<double>(pixels_[m]) * pixel_ml;
+      archives_[m].add("config.ini", config_text(material, jobs_[m], uniform_->pitch(), written_, used));
+      archives_[m].add("prusaslicer.ini", display_text(info_.plan.grid, uniform_->pitch()));
+    }
+    for (ZipWriter& archive : archives_) archive.commit();
+  }
+
+ private:
+  [[nodiscard]] PackedImage blank_image() const { return {info_.plan.grid.size[0], info_.plan.grid.size[1], 8}; }
+
+  [[nodiscard]] std::vector<Mask> masks_of(const Layer& layer) const {
+    std::vector<Mask> masks(jobs_.size());
+    parallel_for_within(masks.size(), [&](std::size_t m) { masks[m] = mask_of(layer, 1 + static_cast<unsigned>(m)); });
+    return masks;
+  }
+
+  [[nodiscard]] Mask mask_of(const Layer& layer, std::uint32_t label) const {
+    PackedImage image = blank_image();
+    Mask mask;
+    const RowRaster raster(info_.plan.grid);
+    std::vector<LabelRun> runs;
+    for (std::int64_t row = 0; row < image.height(); ++row) {
+      runs.clear();
+      raster.append_runs(layer.raster.row(static_cast<std::size_t>(row)), runs);
+      for (const LabelRun& run : runs) {
+        if (run.label != label) continue;
+        image.fill(image.height() - 1 - row, run.begin, run.end, kWhite);
+        mask.pixels += run.end - run.begin;
+      }
+    }
+    mask.png = mask.pixels == 0 ? blank_ : encode_png(image, style_);
+    return mask;
+  }
+
+  void add(const std::vector<Mask>& masks) {
+    for (std::size_t m = 0; m < masks.size(); ++m) {
+      archives_[m].add(fmt::format("{}{:05}.png", jobs_[m], written_), masks[m].png);
+      pixels_[m] += masks[m].pixels;
+    }
+    ++written_;
+  }
+
+  std::filesystem::path folder_;
+  Sl1Options options_;
+  BuildInfo info_;
+  std::optional<UniformZ> uniform_;
+  PngStyle style_;
+  std::string blank_;  // most layers lack some material
+  std::vector<std::string> jobs_;
+  std::deque<ZipWriter> archives_;    ///< by material; they don't move
+  std::vector<std::int64_t> pixels_;  ///< white ones, by material
+  std::int64_t written_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<LayerSink> make_sl1_sink(const std::filesystem::path& folder, const Sl1Options& options) {
+  return std::make_unique<Sl1Sink>(folder, options);
+}
+
+}  // namespace lamella
