@@ -9,6 +9,7 @@ const kRight = 10;
 const kTop = 8;
 const kBottom = 36;
 const kColumns = 600;
+const kLanes = ['overlap', 'gap', 'open'];
 const kNames = { overlap: 'overlap', gap: 'filled gap', open: 'open gap' };
 
 function element(name, attributes, text) {
@@ -84,7 +85,7 @@ export class Chart {
       if (!box) continue;
       const from = this.x(Math.max(box.low[2], this.build.zLow));
       const width = Math.max(2, this.x(Math.min(box.high[2], this.build.zHigh)) - from);
-      const rect = element('rect', { class: `mark ${kind}`, x: from, y: this.bottom - 5, width, height: 5 });
+      const rect = element('rect', { class: `mark ${kind}`, x: from, y: this.bottom - 4 - 5 * kLanes.indexOf(kind), width, height: 4 });
       rect.append(element('title', {}, kNames[kind]));
       this.svg.append(rect);
     }

@@ -93,6 +93,7 @@ class Page {
     byId('volume').hidden = !isVolume;
     document.querySelectorAll('.for-plane').forEach((part) => { part.hidden = isVolume; });
     document.querySelectorAll('.for-volume').forEach((part) => { part.hidden = !isVolume; });
+    document.querySelector('.for-cut').hidden = view === 'xy';
     if (isVolume) this.openVolume();
     this.go(this.place);
   }
@@ -221,6 +222,7 @@ class Page {
     on('one', 'click', () => this.plane.oneToOne());
     on('pixels', 'change', () => { this.plane.pixels = byId('pixels').checked; this.plane.draw(); this.tellPoint(this.plane.probe); });
     on('marks', 'change', () => { this.plane.marksShown = byId('marks').checked; this.plane.draw(); });
+    on('stretch', 'change', () => this.plane.setStretch(Number(byId('stretch').value)));
     on('home', 'click', () => this.volume.home());
     on('clip-axis', 'change', () => { this.volume.setClip({ axis: byId('clip-axis').value }); this.showPlace(); });
     on('clip-flip', 'change', () => this.volume.setClip({ flip: byId('clip-flip').checked }));

@@ -15,6 +15,7 @@ export class PlaneView {
     this.overlay = root.querySelector('#overlay');
     this.windows = {};
     this.pixels = false;
+    this.stretch = 1;  // of z in cuts
     this.marksShown = true;
     this.marks = [];
     this.probe = null;
@@ -29,8 +30,12 @@ export class PlaneView {
   get density() { return window.devicePixelRatio || 1; }
   /** left and top in units of the axes, across: canvas pixels a unit across */
   get window() { return this.windows[this.kind] ??= this.fitted(); }
-  /** Canvas pixels a unit upwards: the scale in mm is that across. */
-  get up() { return this.window.across * this.plane.up.unit / this.plane.across.unit; }
+  /** Canvas pixels a unit upwards for one a unit across: the scale in mm is the same, but z may be stretched. */
+  get ratio() {
+    const { up, across } = this.plane;
+    return up.unit / across.unit * (up.name === 'z' ? this.stretch : 1);
+  }
+  get up() { return this.window.across * this.ratio; }
 
   show(kind, place) {
     if (kind !== this.kind) this.setProbe(null);
@@ -53,7 +58,7 @@ export class PlaneView {
     const { across, up } = this.plane;
     const { width, height } = this.picture;
     const [left, right, top, bottom] = ['left', 'right', 'top', 'bottom'].map((side) => kMargin[side] * this.density);
-    const ratio = up.unit / across.unit;
+    const { ratio } = this;
     const zoom = Math.max(1e-6, Math.min((width - left - right) / across.count, (height - top - bottom) / (up.count * ratio)));
     const scale = { across: zoom, up: zoom * ratio };
     return {
@@ -62,6 +67,14 @@ export class PlaneView {
       top: up.count / 2 + (top + (height - top - bottom) / 2) / scale.up,
       isFitted: true,
     };
+  }
+
+  /** Draws z larger than x and y in the cuts: thin stacks are seen better. */
+  setStretch(stretch) {
+    this.stretch = stretch;
+    delete this.windows.xz;
+    delete this.windows.yz;
+    this.draw();
   }
 
   fit() {

@@ -2,7 +2,7 @@
 
 import { gradedNumber } from './colors.js';
 
-const kMostAlong = 320;
+const kMostAlong = 1024;
 const kMostVoxels = 2 ** 24;  // 64 MiB of texture
 const kBlock = 8;             // voxels along a block of the coarse texture that lets rays skip what is empty
 

@@ -2,7 +2,7 @@
 
 import {
   BackSide, BoxGeometry, BufferAttribute, BufferGeometry, Color, Data3DTexture, DataTexture, GLSL3, LineBasicMaterial,
-  LineSegments, Matrix4, Mesh, NearestFilter, PerspectiveCamera, RedFormat, RGBAFormat, Scene, Sprite,
+  LineSegments, Matrix4, Mesh, NearestFilter, PerspectiveCamera, RedFormat, RGBAFormat, Scene, Sprite, SRGBColorSpace,
   SpriteMaterial, CanvasTexture, UnsignedByteType, Vector3, Vector4, WebGLRenderer, ShaderMaterial,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
@@ -10,6 +10,7 @@ import { makeVoxels } from './volume_data.js';
 import { fragmentShader, vertexShader } from './voxel_shader.js';
 import { mm } from './planes.js';
 
+const kInk = '#7b8694';  // of lines and labels, on light and dark
 const kFrame = 40;  // ms a frame may take while the view moves; above, fewer pixels are drawn
 
 function texture3d(data, size, format) {
@@ -44,9 +45,9 @@ export class VolumeView {
     this.dims = this.unit.map((unit, axis) => unit * data.size[axis]);
     this.low = [origin[0], origin[1], this.build.zLow];
     this.makeScene();
-    this.home();
     new ResizeObserver(() => this.resize()).observe(this.root);
     this.resize();
+    this.home();
   }
 
   /** World coordinates are mm from the lower corner of the box. */
@@ -91,19 +92,21 @@ export class VolumeView {
   }
 
   makeLines() {
-    return new LineSegments(boxGeometry([0, 0, 0], this.dims), new LineBasicMaterial({ color: 0x808890 }));
+    return new LineSegments(boxGeometry([0, 0, 0], this.dims), new LineBasicMaterial({ color: new Color(kInk) }));
   }
 
+  /** Beside the edges of the box that are nearest at first. */
   makeLabels() {
     const [x, y, z] = this.dims;
-    const size = Math.max(...this.dims) * 0.055;
-    const ends = this.low.map((low, axis) => `${'xyz'[axis]} ${mm(low)} to ${mm(low + this.dims[axis])} mm`);
-    const off = size * 1.1;
-    return [[ends[0], x / 2, -off, 0], [ends[1], x + off, y / 2, 0], [ends[2], -off, -off * 0.4, z / 2]].map(([text, ...at]) => {
-      const sprite = makeLabel(text, size);
-      sprite.position.set(...at);
-      return sprite;
-    });
+    const text = this.low.map((low, axis) => `${'xyz'[axis]}: ${mm(low)} to ${mm(low + this.dims[axis])} mm`);
+    // The point of each label that lies at its place: 0 left and bottom, 1 right and top.
+    return [[text[0], [0.5, 1.3], x / 2, 0, 0], [text[1], [-0.08, 1], x, y / 2, 0], [text[2], [0.5, -0.5], 0, 0, z]]
+      .map(([label, anchor, ...at]) => {
+        const sprite = makeLabel(label);
+        sprite.center.set(...anchor);
+        sprite.position.set(...at);
+        return sprite;
+      });
   }
 
   setMarks(marks, inks) {
@@ -130,14 +133,30 @@ export class VolumeView {
 
   home() {
     const centre = new Vector3(...this.dims).multiplyScalar(0.5);
-    const reach = new Vector3(...this.dims).length();
-    this.camera.near = reach / 500;
-    this.camera.far = reach * 20;
-    this.camera.position.copy(centre).add(new Vector3(0.62, -1.35, 0.78).multiplyScalar(reach));
+    const way = new Vector3(0.42, -0.9, 0.62).normalize();
+    const distance = this.fittingDistance(centre, way);
+    const reach = centre.length();
+    this.camera.near = Math.max(distance - 2 * reach, reach / 100) / 10;
+    this.camera.far = (distance + reach) * 20;
+    this.camera.position.copy(centre).addScaledVector(way, distance);
     this.camera.updateProjectionMatrix();
     this.controls.target.copy(centre);
     this.controls.update();
     this.draw();
+  }
+
+  /** How far off, along `way` from the centre, the camera sees all corners of the box and room for its labels. */
+  fittingDistance(centre, way) {
+    const right = new Vector3().crossVectors(this.camera.up, way).normalize();
+    const over = new Vector3().crossVectors(way, right);
+    const slope = Math.tan(this.camera.fov / 2 * Math.PI / 180) / 1.18;
+    let distance = 0;
+    for (let n = 0; n < 8; ++n) {
+      const corner = new Vector3(...this.dims.map((size, axis) => (n >> axis & 1 ? size : 0))).sub(centre);
+      const least = Math.max(Math.abs(corner.dot(right)) / (slope * this.camera.aspect), Math.abs(corner.dot(over)) / slope);
+      distance = Math.max(distance, corner.dot(way) + least);
+    }
+    return distance;
   }
 
   /** By degrees about the upright axis and towards it; by a factor nearer. */
@@ -244,16 +263,21 @@ function boxGeometry(low, high) {
   return geometry;
 }
 
-function makeLabel(text, size) {
+/** As large on the screen from everywhere. */
+function makeLabel(text) {
   const canvas = document.createElement('canvas');
   const context = canvas.getContext('2d');
-  context.font = '40px system-ui, sans-serif';
+  const font = '32px system-ui, sans-serif';
+  context.font = font;
   canvas.width = Math.ceil(context.measureText(text).width) + 8;
-  canvas.height = 52;
-  context.font = '40px system-ui, sans-serif';
-  context.fillStyle = '#808890';
-  context.fillText(text, 4, 40);
-  const sprite = new Sprite(new SpriteMaterial({ map: new CanvasTexture(canvas), transparent: true }));
-  sprite.scale.set(size * canvas.width / canvas.height, size, 1);
+  canvas.height = 42;
+  context.font = font;
+  context.fillStyle = kInk;
+  context.fillText(text, 4, 32);
+  const map = new CanvasTexture(canvas);
+  map.colorSpace = SRGBColorSpace;
+  const sprite = new Sprite(new SpriteMaterial({ map, transparent: true, sizeAttenuation: false, depthTest: false }));
+  const height = 0.0165;
+  sprite.scale.set(height * canvas.width / canvas.height, height, 1);
   return sprite;
 }
