@@ -23,7 +23,8 @@ class Page {
     this.marks = pairMarks(build);
     this.findings = findingMarks(build);
     this.plane = new PlaneView(byId('plane'), build, this.palette, this.planes,
-      { probe: (probe) => this.tellPoint(probe), turn: (steps) => this.go(this.place + steps) });
+      { probe: (probe) => this.tellPoint(probe), turn: (steps) => this.go(this.place + steps),
+        drawn: () => { byId('zoom').textContent = this.zoomText(); } });
     this.plane.marks = this.marks;
     this.volume = new VolumeView(byId('volume'), build, this.palette, {});
     this.fillTexts();
@@ -160,7 +161,6 @@ class Page {
     slider.setAttribute('aria-label', plane?.word ?? 'Place of the cutting plane');
     slider.setAttribute('aria-valuetext', `${plane ? `${plane.word} ${plane.numberOf(place)}, ` : ''}${byId('where').textContent}`);
     byId('plane').setAttribute('aria-label', plane ? `${plane.word} ${plane.numberOf(place)}, ${plane.label(place)}` : '');
-    byId('zoom').textContent = this.zoomText();
     const layer = this.places.xy;
     this.materials.setLayer(layer);
     this.areaChart.setLayer(layer);
@@ -173,7 +173,6 @@ class Page {
   }
 
   tellPoint(probe) {
-    byId('zoom').textContent = this.zoomText();
     if (this.view === '3d') return;
     const told = describe(this.build, this.planes[this.view], this.place, probe, this.plane.pixels);
     showPoint(byId('point'), told);

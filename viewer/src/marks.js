@@ -8,6 +8,9 @@ function commonBox(a, b, slack) {
   return low.every((value, axis) => value <= high[axis]) ? { low, high } : null;
 }
 
+// Of a pixel. What is thinner is listed and not drawn: rounding makes such slivers wherever curved faces touch.
+const kThin = 1e-3;
+
 const kKinds = [
   { list: 'overlaps', kind: 'overlap', word: 'overlap', slackOf: () => 0, sizeOf: (pair) => ({ volume: pair.volume, width: pair.largest_depth }) },
   { list: 'gaps', kind: 'gap', word: 'filled gap', slackOf: (pair) => pair.largest_depth, sizeOf: (pair) => ({ volume: pair.volume, width: pair.largest_depth }) },
@@ -23,8 +26,10 @@ export function pairMarks(build) {
   for (const { list, kind, word, slackOf, sizeOf } of kKinds) {
     for (const pair of build.report[list]) {
       const [a, b] = pair.solids.map((solid) => build.solids[solid]);
-      marks.push({ kind, word, names: [a?.name ?? '?', b?.name ?? '?'], ...sizeOf(pair), layers: pair.layers,
-        box: commonBox(a, b, slackOf(pair)) });
+      const { volume, width } = sizeOf(pair);
+      const isThin = width > 0 && width < kThin * build.grid.pitch[0];
+      marks.push({ kind, word, names: [a?.name ?? '?', b?.name ?? '?'], volume, width, layers: pair.layers,
+        box: isThin ? null : commonBox(a, b, slackOf(pair)), isThin });
     }
   }
   return marks;

@@ -135,6 +135,7 @@ export function fillReport(root, build, marks, findings, lead) {
 function markItem(mark, lead) {
   const text = `${mark.word} of ${mark.names[0]} and ${mark.names[1]}: ${short(mark.volume)} mm\u00B3, up to ${short(mark.width)} mm, in ${mark.layers} layers`;
   const item = node('li', { class: mark.kind }, text);
+  if (mark.isThin) item.append(node('small', {}, ' (too thin to draw)'));
   if (mark.box) item.append(' ', leadButton('Show', `Show the ${text}`, () => lead(mark)));
   return item;
 }

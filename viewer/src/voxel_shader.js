@@ -77,7 +77,7 @@ void main() {
         vec3 hit = eye + way * t;
         bool isFlat = isCut && isFirst;
         vec3 n = isFlat ? planeNormal : normalAt(cell, normal);
-        float lit = isFlat ? 1.0 : 0.42 + 0.58 * max(0.0, dot(n, light)) + 0.08 * n.z;
+        float lit = isFlat ? 1.0 : 0.5 + 0.5 * max(0.0, dot(n, light)) + 0.08 * n.z;
         color = vec4(voxel.rgb * lit, 1.0);
         vec4 clip = toClip * vec4(hit, 1.0);
         gl_FragDepth = clamp(0.5 + 0.5 * clip.z / clip.w, 0.0, 1.0);
