@@ -299,7 +299,7 @@ describe('charts and report', () => {
     const marked = await pixels();
     assert.ok(marked > 100, `${marked} pixels`);
     await page.keyboard.press('m');
-    await page.waitForTimeout(100);
+    await settled(page);
     assert.ok(await pixels() < marked / 10);
   }, { colorScheme: 'light' }));
 });
@@ -315,7 +315,7 @@ describe('voxels', () => {
       volume.setMarks([], {});
       volume.lines.visible = false;
       for (const label of volume.labels) label.visible = false;
-      volume.camera.position.copy(volume.controls.target).add({ x: 0, y: -40, z: 200 });
+      volume.camera.position.copy(volume.controls.target).add({ x: 0, y: -60, z: 300 });
       volume.controls.update();
       volume.setClip({ axis: 'z', share: 35.5 / volume.data.size[2] });
       volume.render();

@@ -8,7 +8,7 @@ function commonBox(a, b, slack) {
   return low.every((value, axis) => value <= high[axis]) ? { low, high } : null;
 }
 
-// Of a pixel. What is thinner is listed and not drawn: rounding makes such slivers wherever curved faces touch.
+// Of a pixel, or where the width isn't known of a voxel. What is thinner is listed and not drawn: rounding makes such slivers wherever curved faces touch.
 const kThin = 1e-3;
 
 const kKinds = [
@@ -23,11 +23,12 @@ const kKinds = [
  */
 export function pairMarks(build) {
   const marks = [];
+  const voxel = build.grid.pitch.reduce((a, b) => a * b);
   for (const { list, kind, word, slackOf, sizeOf } of kKinds) {
     for (const pair of build.report[list]) {
       const [a, b] = pair.solids.map((solid) => build.solids[solid]);
       const { volume, width } = sizeOf(pair);
-      const isThin = width > 0 && width < kThin * build.grid.pitch[0];
+      const isThin = width > 0 ? width < kThin * build.grid.pitch[0] : volume < kThin * voxel;
       marks.push({ kind, word, names: [a?.name ?? '?', b?.name ?? '?'], volume, width, layers: pair.layers,
         box: isThin ? null : commonBox(a, b, slackOf(pair)), isThin });
     }

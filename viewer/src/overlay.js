@@ -207,7 +207,7 @@ function drawTicks(view, context, axis, { from, to, isAcross, edge }) {
   for (let n = Math.ceil(low / step); n <= high / step; ++n) {
     const units = fromMm(axis, n * step);
     const at = isAcross ? toX(view, units) : toY(view, units);
-    if (at < from + 12 * density || at > to - 12 * density) continue;
+    if (at < from + 12 * density || at > to - (isAcross ? 34 : 12) * density) continue;
     const text = mm(n * step);
     if (isAcross) {
       context.moveTo(at, edge);

@@ -42,7 +42,7 @@ export class MaterialList {
     this.areas.push(area);
     const parts = material.components?.map((component) => this.build.materials[component].name).join(' + ');
     const label = node('label', { for: box.id }, swatch(material.color), material.name);
-    if (parts) label.append(node('small', {}, ` mixed of ${parts}`));
+    if (parts) label.append(node('small', {}, `mixed of ${parts}`));
     // Volumes are those of plain materials; a graded one has none of its own.
     const volume = material.components ? '\u2013' : short(material.volume ?? 0);
     return node('tr', {}, node('td', {}, box, label), area, node('td', { class: 'number' }, volume));
@@ -107,7 +107,7 @@ function withSegment(build, { data, i, code }, rows) {
   return { rows, say: `${material.name}, solid ${solid.name}, x from ${fine(from)} to ${fine(to)} mm` };
 }
 
-/** mm to a tenth of a nanometre's thousand: the codes are finer than a thousandth of a pixel. */
+/** mm to a nanometre: codes are finer than a thousandth of a pixel. */
 const fine = (value) => value.toFixed(6).replace(/\.?0+$/, '').replace(/^-/, '\u2212');
 
 export function showPoint(root, told) {
@@ -133,7 +133,8 @@ export function fillReport(root, build, marks, findings, lead) {
 }
 
 function markItem(mark, lead) {
-  const text = `${mark.word} of ${mark.names[0]} and ${mark.names[1]}: ${short(mark.volume)} mm\u00B3, up to ${short(mark.width)} mm, in ${mark.layers} layers`;
+  const width = mark.width > 0 ? `, up to ${short(mark.width)} mm` : '';
+  const text = `${mark.word} of ${mark.names[0]} and ${mark.names[1]}: ${short(mark.volume)} mm\u00B3${width}, in ${mark.layers} layers`;
   const item = node('li', { class: mark.kind }, text);
   if (mark.isThin) item.append(node('small', {}, ' (too thin to draw)'));
   if (mark.box) item.append(' ', leadButton('Show', `Show the ${text}`, () => lead(mark)));
