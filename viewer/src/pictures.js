@@ -90,18 +90,23 @@ const paints = {
   },
 };
 
-/** The mean of f x f pixels each; what is empty counts as see-through. */
-function reduce(fine, f, window, out) {
+/** Whether a square of 2 or 3 pixels each way has one colour; written out, because most squares of a picture do. */
+function isPlain(fine, at, stride, f) {
+  const color = fine[at];
+  if (fine[at + 1] !== color || fine[at + stride] !== color || fine[at + stride + 1] !== color) return false;
+  if (f === 2) return true;
+  const last = at + 2 * stride;
+  return fine[at + 2] === color && fine[at + stride + 2] === color && fine[last] === color && fine[last + 1] === color
+    && fine[last + 2] === color;
+}
+
+/** The mean of f x f pixels each, f = 2 or 3; what is empty counts as see-through. */
+function reduce(fine, f, { width, height }, out) {
   const bytes = new Uint8Array(fine.buffer);
-  const stride = window.width * f;
-  for (let b = 0, at = 0; b < window.height; ++b) {
-    for (let a = 0; a < window.width; ++a, ++at) {
-      const corner = b * f * stride + a * f;
-      let same = true;
-      for (let v = 0; v < f && same; ++v) {
-        for (let u = 0; u < f; ++u) same &&= fine[corner + v * stride + u] === fine[corner];
-      }
-      out[at] = same ? fine[corner] : mean(bytes, fine, corner, f, stride);
+  const stride = width * f;
+  for (let b = 0, at = 0; b < height; ++b) {
+    for (let a = 0, corner = b * f * stride; a < width; ++a, ++at, corner += f) {
+      out[at] = isPlain(fine, corner, stride, f) ? fine[corner] : mean(bytes, fine, corner, f, stride);
     }
   }
 }
@@ -125,6 +130,13 @@ function mean(bytes, fine, corner, f, stride) {
 }
 
 const kMostFiner = 3;
+let memory = new Uint32Array(0);
+
+/** Zeros, in memory that is used again from picture to picture. */
+function scratch(count) {
+  if (memory.length === count) return memory.fill(0);
+  return memory = new Uint32Array(count);
+}
 
 /**
  * Paints a cut: "xy" at a layer, "xz" at a row, "yz" at a column. Where the canvas is coarser than the lattice a pixel
@@ -137,7 +149,7 @@ export function paint(kind, build, palette, place, window, out) {
     return;
   }
   const finer = { ...window, width: window.width * f, height: window.height * f, across: window.across * f, up: window.up * f };
-  const fine = new Uint32Array(finer.width * finer.height);
+  const fine = scratch(finer.width * finer.height);
   paints[kind](build, palette, place, finer, fine);
   reduce(fine, f, window, out);
 }
