@@ -1,6 +1,7 @@
 // The page of `lamella view` in a browser, as its users have it.
 
 import assert from 'node:assert/strict';
+import { readFileSync, writeFileSync } from 'node:fs';
 import { after, before, describe, test } from 'node:test';
 import {
   goTo, number, openPage, place, read, readCanvas, readPictures, readPoint, run, screenPlace, settled, slice, startBrowser, view,
@@ -302,6 +303,36 @@ describe('charts and report', () => {
     await settled(page);
     assert.ok(await pixels() < marked / 10);
   }, { colorScheme: 'light' }));
+});
+
+describe('doubts', () => {
+  test('are listed, and those that name a layer lead there', async () => {
+    const page = readFileSync(place('grip.html'), 'utf8');
+    const finding = { severity: 'warning', solid: '/Overmoulded grip/Griffkern', face: '', entity: '#123',
+      what: 'rows enter the solid and don\'t leave it: layer 12 (z = -11.287 mm) and 3 more, rows: 5', hint: 'compare these layers' };
+    const changed = page.replace(/"within_budget":true,("rays":\d+,"segments":\d+,"repaired_rays":)0/, '"within_budget":false,$17')
+      .replace(/"findings":\[.*?\]\}\}<\/script>/, () => `"findings":[${JSON.stringify(finding)}]}}</script>`);
+    assert.notEqual(changed, page);
+    writeFileSync(place('doubts.html'), changed);
+    await onPage('doubts.html', async (shown) => {
+      const text = await shown.locator('#report').textContent();
+      assert.match(text, /EXCEEDED its error budget/);
+      assert.match(text, /7 rows repaired/);
+      assert.match(text, /Griffkern, #123: rows enter the solid/);
+      assert.equal(await shown.locator('svg .mark.finding').count(), 2);
+      await shown.getByRole('button', { name: 'Show layer 12' }).click();
+      await settled(shown);
+      assert.equal(await shown.locator('#number').inputValue(), '12');
+    });
+  });
+
+  test('a damaged page says so', async () => {
+    const page = readFileSync(place('grip.html'), 'utf8');
+    writeFileSync(place('damaged.html'), page.replace(/class="chunk">.{40}/, 'class="chunk">'));
+    const { page: shown } = await openPage(browser, 'damaged.html');
+    await shown.waitForFunction(() => /can't be read/.test(document.getElementById('busy').textContent));
+    await shown.close();
+  });
 });
 
 describe('voxels', () => {

@@ -110,9 +110,7 @@ class Page {
     const { data, unit } = this.volume;
     const of = data.step.every((step) => step === 1) ? '' : `, each of ${data.step.join(' \u00D7 ')} of the build's`;
     byId('voxel-size').textContent = `${data.size.join(' \u00D7 ')} voxels of ${unit.map(short).join(' \u00D7 ')} mm${of}`;
-    const style = getComputedStyle(document.body);
-    this.volume.setMarks(this.plane.marksShown ? this.marks : [], { overlap: style.getPropertyValue('--overlap').trim(),
-      gap: style.getPropertyValue('--gap').trim(), open: style.getPropertyValue('--open').trim() });
+    this.showVolumeMarks();
     this.volume.resize();
     this.showPlace();
   }
@@ -181,8 +179,20 @@ class Page {
 
   setTheme(theme) {
     document.documentElement.dataset.theme = theme;
+    this.refreshTheme();
+  }
+
+  /** What is drawn rather than styled takes its colours anew. */
+  refreshTheme() {
     this.plane.draw();
-    this.volume.draw();
+    this.volume.refreshTheme();
+    this.showVolumeMarks();
+  }
+
+  showVolumeMarks() {
+    const style = getComputedStyle(document.body);
+    const inkOf = (kind) => style.getPropertyValue(`--${kind}`).trim();
+    this.volume.setMarks(this.plane.marksShown ? this.marks : [], { overlap: inkOf('overlap'), gap: inkOf('gap'), open: inkOf('open') });
   }
 
   toggleTheme() {
@@ -220,11 +230,12 @@ class Page {
     on('fit', 'click', () => this.plane.fit());
     on('one', 'click', () => this.plane.oneToOne());
     on('pixels', 'change', () => { this.plane.pixels = byId('pixels').checked; this.plane.draw(); this.tellPoint(this.plane.probe); });
-    on('marks', 'change', () => { this.plane.marksShown = byId('marks').checked; this.plane.draw(); });
+    on('marks', 'change', () => { this.plane.marksShown = byId('marks').checked; this.plane.draw(); this.showVolumeMarks(); });
     on('stretch', 'change', () => this.plane.setStretch(Number(byId('stretch').value)));
     on('home', 'click', () => this.volume.home());
     on('clip-axis', 'change', () => { this.volume.setClip({ axis: byId('clip-axis').value }); this.showPlace(); });
     on('clip-flip', 'change', () => this.volume.setClip({ flip: byId('clip-flip').checked }));
+    window.matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => this.refreshTheme());
     on('theme', 'click', () => this.toggleTheme());
     on('help', 'click', () => byId('keys').showModal());
     listenForKeys(this.keyActions());
@@ -271,6 +282,10 @@ class Page {
   }
 }
 
+window.addEventListener('unhandledrejection', ({ reason }) => {
+  byId('busy').hidden = false;
+  byId('busy').textContent = `This page can't be read: ${reason?.message ?? reason}. Make it again, or try a newer browser.`;
+});
 const start = performance.now();
 const page = new Page(readBuild(document));
 page.open('xy');

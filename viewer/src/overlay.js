@@ -184,10 +184,8 @@ function drawRulers(view, context, ink) {
   const left = kRuler.left * view.density;
   const bottom = height - kRuler.bottom * view.density;
   context.fillStyle = ink.card;
-  context.globalAlpha = 0.92;
   context.fillRect(0, 0, left, height);
   context.fillRect(left, bottom, width - left, height - bottom);
-  context.globalAlpha = 1;
   context.strokeStyle = ink.line;
   context.strokeRect(left, -view.density, width, bottom + view.density);
   context.fillStyle = ink.soft;

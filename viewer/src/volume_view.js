@@ -10,7 +10,6 @@ import { makeVoxels } from './volume_data.js';
 import { fragmentShader, vertexShader } from './voxel_shader.js';
 import { mm } from './planes.js';
 
-const kInk = '#7b8694';  // of lines and labels, on light and dark
 const kFrame = 40;  // ms a frame may take while the view moves; above, fewer pixels are drawn
 
 function texture3d(data, size, format) {
@@ -60,10 +59,18 @@ export class VolumeView {
     this.controls.addEventListener('start', () => { this.moving = true; });
     this.controls.addEventListener('end', () => this.settle());
     this.scene.add(this.makeVoxelBox());
+    this.refreshTheme();
+  }
+
+  /** Lines and labels in the page's colours. */
+  refreshTheme() {
+    if (!this.scene) return;
+    this.scene.remove(...[this.lines, ...(this.labels ?? [])].filter(Boolean));
+    this.ink = getComputedStyle(this.root).getPropertyValue('--ink').trim();
     this.lines = this.makeLines();
-    this.scene.add(this.lines);
     this.labels = this.makeLabels();
-    this.scene.add(...this.labels);
+    this.scene.add(this.lines, ...this.labels);
+    this.draw();
   }
 
   makeVoxelBox() {
@@ -92,7 +99,7 @@ export class VolumeView {
   }
 
   makeLines() {
-    return new LineSegments(boxGeometry([0, 0, 0], this.dims), new LineBasicMaterial({ color: new Color(kInk) }));
+    return new LineSegments(boxGeometry([0, 0, 0], this.dims), new LineBasicMaterial({ color: new Color(this.ink), transparent: true, opacity: 0.55 }));
   }
 
   /** Beside the edges of the box that are nearest at first. */
@@ -100,9 +107,9 @@ export class VolumeView {
     const [x, y, z] = this.dims;
     const text = this.low.map((low, axis) => `${'xyz'[axis]}: ${mm(low)} to ${mm(low + this.dims[axis])} mm`);
     // The point of each label that lies at its place: 0 left and bottom, 1 right and top.
-    return [[text[0], [0.5, 1.3], x / 2, 0, 0], [text[1], [-0.08, 1], x, y / 2, 0], [text[2], [0.5, -0.5], 0, 0, z]]
+    return [[text[0], [0.5, 1.3], x / 2, 0, 0], [text[1], [0.35, 1.6], x, y / 2, 0], [text[2], [0.5, -0.5], 0, 0, z]]
       .map(([label, anchor, ...at]) => {
-        const sprite = makeLabel(label);
+        const sprite = makeLabel(label, this.ink);
         sprite.center.set(...anchor);
         sprite.position.set(...at);
         return sprite;
@@ -264,7 +271,7 @@ function boxGeometry(low, high) {
 }
 
 /** As large on the screen from everywhere. */
-function makeLabel(text) {
+function makeLabel(text, ink) {
   const canvas = document.createElement('canvas');
   const context = canvas.getContext('2d');
   const font = '32px system-ui, sans-serif';
@@ -272,7 +279,7 @@ function makeLabel(text) {
   canvas.width = Math.ceil(context.measureText(text).width) + 8;
   canvas.height = 42;
   context.font = font;
-  context.fillStyle = kInk;
+  context.fillStyle = ink;
   context.fillText(text, 4, 32);
   const map = new CanvasTexture(canvas);
   map.colorSpace = SRGBColorSpace;
