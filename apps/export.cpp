@@ -1,6 +1,6 @@
-#include <algorithm>
 #include <fmt/format.h>
 
+#include "apps/layer_range.h"
 #include "apps/options.h"
 #include "apps/outputs.h"
 #include "apps/table.h"
@@ -18,33 +18,6 @@ struct ExportOptions {
   LayerRange layers;
 };
 
-/// "A:B" as layers A to B - 1, either side may be missing.
-LayerRange parse_layers(const std::string& text) {
-  const std::size_t colon = text.find(':');
-  if (colon == std::string::npos) {
-    throw UsageError("'" + text + "' is no range of layers", "--layers", "write A:B for layers A to B - 1");
-  }
-  constexpr long kMost = 0x7FFFFFFF;
-  LayerRange range;
-  const std::string first = text.substr(0, colon);
-  const std::string last = text.substr(colon + 1);
-  if (!first.empty()) range.first = static_cast<std::uint32_t>(parse_whole("--layers", first, 0, kMost));
-  if (!last.empty()) range.last = static_cast<std::uint32_t>(parse_whole("--layers", last, 0, kMost));
-  if (range.first >= range.last) {
-    throw UsageError("'" + text + "' holds no layer", "--layers", "write A:B for layers A to B - 1, A < B");
-  }
-  return range;
-}
-
-/// The range cut to what the build has; a range beyond it is an error.
-LayerRange clip(LayerRange range, std::size_t layers) {
-  if (range.first >= layers) {
-    throw UsageError("the build has " + std::to_string(layers) + " layers", "--layers", "they count from 0");
-  }
-  range.last = static_cast<std::uint32_t>(std::min<std::size_t>(range.last, layers));
-  return range;
-}
-
 ExitCode run(const Session& session, const ExportOptions& options) {
   std::vector<std::string> inputs{options.build};
   if (options.format.plan) inputs.push_back(*options.format.plan);
@@ -57,15 +30,9 @@ ExitCode run(const Session& session, const ExportOptions& options) {
   reader.replay(*sink, range, session.progress());
 
   const std::vector<WrittenFile> files = list_files(options.output.path);
-  Json list = Json::array();
-  double bytes = 0.0;
-  for (const WrittenFile& file : files) {
-    list.push_back({{"path", file.path.string()}, {"bytes", file.bytes}});
-    bytes += static_cast<double>(file.bytes);
-  }
-  if (session.json()) session.print(Json{{"format", options.output.format}, {"files", list}});
+  if (session.json()) session.print(files_json(options.output.format, files));
   session.print(fmt::format("{}: {} layers, {} files, {} in {}\n", options.output.format, range.last - range.first,
-                            files.size(), short_bytes(bytes), options.output.path.string()));
+                            files.size(), short_bytes(total_bytes(files)), options.output.path.string()));
   if (!reader.report().within_budget()) session.warn(reader.report().findings);
   return reader.report().within_budget() ? ExitCode::ok : ExitCode::budget;
 }

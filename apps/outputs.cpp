@@ -108,4 +108,16 @@ std::vector<WrittenFile> list_files(const fs::path& path) {
   return files;
 }
 
+double total_bytes(const std::vector<WrittenFile>& files) {
+  double bytes = 0.0;
+  for (const WrittenFile& file : files) bytes += static_cast<double>(file.bytes);
+  return bytes;
+}
+
+Json files_json(const std::string& format, const std::vector<WrittenFile>& files) {
+  Json list = Json::array();
+  for (const WrittenFile& file : files) list.push_back({{"path", file.path.string()}, {"bytes", file.bytes}});
+  return {{"format", format}, {"files", list}};
+}
+
 }  // namespace lamella::apps

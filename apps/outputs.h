@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "apps/formats.h"
+#include "apps/json.h"
 
 namespace lamella::apps {
 
@@ -25,5 +26,10 @@ void check_writable(const Output& output);
 
 /// The files of an output, by name; none when it doesn't exist.
 [[nodiscard]] std::vector<WrittenFile> list_files(const std::filesystem::path& path);
+
+/// Their sizes together.
+[[nodiscard]] double total_bytes(const std::vector<WrittenFile>& files);
+/// {"format","files":[{"path","bytes"}]}
+[[nodiscard]] Json files_json(const std::string& format, const std::vector<WrittenFile>& files);
 
 }  // namespace lamella::apps

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "core/xml.h"
+#include "export/base64.h"
 
 namespace lamella {
 

@@ -42,6 +42,20 @@ need_packages() {
     > /dev/null
 }
 
+# need_node_packages : node, npm, and what viewer/package-lock.json names. Without npm's registry the tests that need it
+# skip and say so. esbuild's install script is not needed: its binary comes as a package.
+need_node_packages() {
+  if ! command -v node > /dev/null || ! command -v npm > /dev/null; then
+    need_packages node
+  fi
+  local stamp=viewer/node_modules/.package-lock.json
+  if $no_install || { [ -e "$stamp" ] && [ ! viewer/package-lock.json -nt "$stamp" ]; }; then
+    return
+  fi
+  (cd viewer && npm ci --ignore-scripts --no-audit --no-fund > /dev/null) ||
+    echo "npm can't install the packages of viewer/package-lock.json; the tests that need them skip." >&2
+}
+
 # configure_into FOLDER OPTION... : configures a Release build there.
 configure_into() {
   local folder=$1

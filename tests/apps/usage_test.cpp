@@ -12,7 +12,7 @@ using ::testing::MatchesRegex;
 using ::testing::StartsWith;
 
 TEST(Help, EveryVerbHasExamples) {
-  for (const std::string verb : {"info", "slice", "ray", "export", "plan", "check"}) {
+  for (const std::string verb : {"info", "slice", "ray", "export", "plan", "view", "check"}) {
     const CommandResult help = run_lamella(verb + " --help");
     EXPECT_EQ(help.exit_code, 0) << verb;
     EXPECT_THAT(help.output, HasSubstr("Examples:\n  lamella " + verb + " ")) << verb;
@@ -91,7 +91,9 @@ INSTANTIATE_TEST_SUITE_P(
         Misuse{"export build --to xml -o t.xml --layers 5", "--layers"},
         Misuse{"export build --to xml -o t.xml --layers 7:3", "--layers"},
         Misuse{"export build --to xml -o t.xml --layers -1:3", "--layers"},
-        Misuse{"export build --to xml -o t.xml --xml-payload hex", "--xml-payload"}, Misuse{"check", "path"}));
+        Misuse{"export build --to xml -o t.xml --xml-payload hex", "--xml-payload"}, Misuse{"view build", "--output"},
+        Misuse{"view build -o v.html --every 0", "--every"}, Misuse{"view build -o v.html --layers 3", "--layers"},
+        Misuse{"check", "path"}));
 
 TEST(Errors, AreJsonOnStdoutToo) {
   const CommandResult result = run_lamella("slice x.step -o out --pitch nan --json");
