@@ -36,7 +36,7 @@ std::string colour_of(const Color& color) {
 
 class SvgSink final : public LayerSink {
  public:
-  explicit SvgSink(std::filesystem::path folder) : folder_(std::move(folder), ".svg", false) {}
+  explicit SvgSink(std::filesystem::path folder) : folder_(std::move(folder), {.extension = ".svg"}) {}
 
   void begin(const BuildInfo& info) override {
     check_build(info);
@@ -54,8 +54,8 @@ class SvgSink final : public LayerSink {
 
   [[nodiscard]] std::function<void()> prepare(const Layer& layer) override {
     check_layer(layer, info_);
-    folder_.write_image(layer, 0, picture_of(layer));
-    return [this, &layer] { folder_.add_layer(layer); };
+    folder_.write_image(layer.index, 0, picture_of(layer));
+    return [this, &layer] { folder_.add_layer(layer.index, info_.plan.layers[layer.index]); };
   }
 
   void finish(const SliceReport&) override { folder_.close(); }

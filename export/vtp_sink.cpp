@@ -96,7 +96,7 @@ void write_lines(XmlWriter& xml, const Lines& lines) {
 
 class VtpSink final : public LayerSink {
  public:
-  explicit VtpSink(fs::path folder) : root_(folder), folder_(std::move(folder), ".vtp", false) {}
+  explicit VtpSink(fs::path folder) : root_(folder), folder_(std::move(folder), {.extension = ".vtp"}) {}
 
   void begin(const BuildInfo& info) override {
     check_build(info);
@@ -111,9 +111,9 @@ class VtpSink final : public LayerSink {
 
   [[nodiscard]] std::function<void()> prepare(const Layer& layer) override {
     check_layer(layer, info_);
-    folder_.write_image(layer, 0, file_of(layer));
+    folder_.write_image(layer.index, 0, file_of(layer));
     return [this, &layer] {
-      folder_.add_layer(layer);
+      folder_.add_layer(layer.index, {layer.z_bottom, layer.z_sample, layer.z_top});
       written_.emplace_back(layer.index, layer.z_sample);
     };
   }
