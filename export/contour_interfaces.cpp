@@ -5,6 +5,8 @@
 #include <tuple>
 #include <utility>
 
+#include "slicing/interface_policy.h"
+
 namespace lamella {
 
 namespace {
@@ -173,25 +175,14 @@ class BandSweep {
     return runs;
   }
 
-  /// Runs that no other run of their priority contains have ascending begins and ends.
   void place_interfaces(std::vector<Run>& runs) const {
     for (Run& run : runs) {
       run.keep_from = run.begin_at;
       run.keep_to = run.end_at;
     }
-    std::sort(runs.begin(), runs.end(), [](const Run& a, const Run& b) {
-      return std::tuple(a.priority, a.begin, -a.end, -a.best_rank) <
-             std::tuple(b.priority, b.begin, -b.end, -b.best_rank);
+    visit_shared_overlaps(runs, [this](Run& left, Run& right) {
+      left.keep_to = right.keep_from = interface_of(policy_, right.begin_at, left.end_at);
     });
-    Run* previous = nullptr;
-    for (Run& run : runs) {
-      if (previous != nullptr && previous->priority != run.priority) previous = nullptr;
-      if (previous != nullptr && run.end <= previous->end) continue;
-      if (previous != nullptr && run.begin < previous->end) {
-        previous->keep_to = run.keep_from = interface_of(policy_, run.begin_at, previous->end_at);
-      }
-      previous = &run;
-    }
   }
 
   std::span<const InterfacePart> parts_;

@@ -118,6 +118,12 @@ class SlcSink final : public LayerSink {
     for (MaterialFile& file : files_) file.file.commit();
   }
 
+  void abandon() noexcept override {
+    files_.clear();
+    std::error_code ignored;
+    if (made_folder_) fs::remove(folder_, ignored);
+  }
+
  private:
   /// Of the materials that solids are made of.
   [[nodiscard]] std::vector<std::pair<MaterialId, std::string>> file_names() const {
@@ -133,7 +139,8 @@ class SlcSink final : public LayerSink {
     return used;
   }
 
-  void check_folder(const std::vector<std::pair<MaterialId, std::string>>& names) const {
+  void check_folder(const std::vector<std::pair<MaterialId, std::string>>& names) {
+    made_folder_ = !fs::exists(folder_);
     make_folder(folder_);
     for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) {
       const std::string name = entry.path().filename().string();
@@ -162,6 +169,7 @@ class SlcSink final : public LayerSink {
   }
 
   fs::path folder_;
+  bool made_folder_ = false;
   BuildInfo info_;
   std::optional<ContourCombiner> combiner_;
   std::deque<MaterialFile> files_;

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "core/error.h"
+#include "export/base64.h"
 #include "export/little_endian.h"
-#include "export/xml_payload.h"
 
 namespace lamella {
 

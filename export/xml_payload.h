@@ -15,9 +15,6 @@ namespace lamella {
 /// below the 10 MB at which libxml2 refuses a text node.
 inline constexpr std::size_t kMaxBlockItems = std::size_t{1} << 16;
 
-/// The bytes in base64 (RFC 4648) with padding.
-[[nodiscard]] std::string base64(std::string_view bytes);
-
 struct PackedBlock {
   std::size_t bytes = 0;   ///< before compression
   std::size_t stored = 0;  ///< after compression, before base64

@@ -59,22 +59,10 @@ double interface_of(OverlapPolicy policy, double first, double last) {
   return first + 0.5 * (last - first);
 }
 
-/// Runs that no other run of their priority contains have ascending begins *and* ends, so their interfaces ascend too
-/// and each keeps one interval.
 void place_interfaces(std::vector<Run>& runs, OverlapPolicy policy) {
-  std::sort(runs.begin(), runs.end(), [](const Run& a, const Run& b) {
-    return std::tuple(a.priority, a.begin, -a.end, -a.best_rank) <
-           std::tuple(b.priority, b.begin, -b.end, -b.best_rank);
+  visit_shared_overlaps(runs, [policy](Run& left, Run& right) {
+    left.keep_to = right.keep_from = interface_of(policy, right.begin, left.end);
   });
-  Run* previous = nullptr;
-  for (Run& run : runs) {
-    if (previous != nullptr && previous->priority != run.priority) previous = nullptr;
-    if (previous != nullptr && run.end <= previous->end) continue;
-    if (previous != nullptr && run.begin < previous->end) {
-      previous->keep_to = run.keep_from = interface_of(policy, run.begin, previous->end);
-    }
-    previous = &run;
-  }
 }
 
 }  // namespace

@@ -307,6 +307,15 @@ TEST_F(VectorFormat, AFullDiskLeavesNothingAndSaysSo) {
   }
 }
 
+TEST_F(VectorFormat, OneThreadAndManyGiveTheSameBytes) {
+  const std::string options = "--layer-height 0.5 --pitch 1 --cli " + quoted(path("cli")) + " --3mf " +
+                              quoted(path("3mf")) + " --step " + quoted(path("step")) + " --threads ";
+  slice("lattice_in_shell", options + "1");
+  const std::vector<std::string> one{read("cli"), read("3mf"), read("step")};
+  slice("lattice_in_shell", options + "3");
+  EXPECT_EQ(one, (std::vector<std::string>{read("cli"), read("3mf"), read("step")}));
+}
+
 TEST_F(VectorFormat, TheSameBuildGivesTheSameBytes) {
   slice("interpenetrating_bodies", "--layer-height 4 --pitch 0.5 --contours");
   for (const char* format : {"cli", "cli-binary", "3mf", "step"}) {

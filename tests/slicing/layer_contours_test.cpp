@@ -177,6 +177,19 @@ TEST(Contours, ComeBackFromTheStoreBitForBit) {
   for (std::uint32_t k = 0; k < 5; ++k) EXPECT_EQ(reader.read_layer(k), sample.layers[k]) << k;
 }
 
+TEST(Contours, AreReadAsTheSampleOfTheSchemaSaysAndOnlyWhereThePlanHasThem) {
+  const test::TemporaryFolder folder;
+  const std::string sample = test::read_file(test::source_dir() / "schemas/valid/build/contours.xml");
+  test::write_file(folder / "build/build.xml", sample);
+  EXPECT_EQ(StoreReader(folder / "build").info().plan.chord_error, 0.01);
+  for (const std::string& part : {std::string("<contours chord_error=\"0.01\"/>"), std::string(" loops=\"2\"")}) {
+    std::string without = sample;
+    without.erase(without.find(part), part.size());
+    test::write_file(folder / "build/build.xml", without);
+    EXPECT_THROW(StoreReader(folder / "build"), InputError) << part;
+  }
+}
+
 TEST(Contours, ThatAreMalformedAreNamed) {
   const test::Sample sample = test::make_sample(1);
   const LayerLimits limits = make_layer_limits(60, sample.info.materials, 3);
