@@ -231,6 +231,9 @@ TEST(VdbSink, LevelSetsAreNegativeExactlyInTheMaterialAndNearTheDistanceOfABall)
   EXPECT_EQ(result.output, "level set ball mm 0.3\n");
   const std::string bytes = bytes_of(folder / "distances");
   ASSERT_EQ(bytes.size(), 48U * 48 * 48 * sizeof(float));
+  double worst_at_surface = 0.0;
+  double worst = 0.0;
+  double sum = 0.0;
   std::int64_t near = 0;
   for (std::int64_t n = 0; n < 48 * 48 * 48; ++n) {
     float found = 0.0F;
@@ -238,10 +241,19 @@ TEST(VdbSink, LevelSetsAreNegativeExactlyInTheMaterialAndNearTheDistanceOfABall)
     const double exact = distance(n % 48, n / 48 % 48, n / 48 / 48);
     ASSERT_EQ(found < 0.0F, exact < 0.0) << n;
     if (std::abs(exact) > 2.0) continue;
-    ASSERT_NEAR(found / 0.1, exact, 1.0) << n;
+    const double error = std::abs(found / 0.1 - exact);
+    worst = std::max(worst, error);
+    if (std::abs(exact) < 1.0) worst_at_surface = std::max(worst_at_surface, error);
+    sum += error;
     ++near;
   }
   EXPECT_GT(near, 9000);  // 4 pi r^2 times four voxels
+  // In voxels; of labels alone no more can be known than to about one.
+  EXPECT_LT(worst_at_surface, 1.0);
+  EXPECT_LT(worst, 1.25);
+  EXPECT_LT(sum / static_cast<double>(near), 0.4);
+  RecordProperty("worst_at_surface", std::to_string(worst_at_surface));
+  std::cout << worst_at_surface << ' ' << worst << ' ' << sum / near << std::endl;
 }
 
 TEST(VdbSink, LevelSetsNeedCubicVoxels) {
