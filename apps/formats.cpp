@@ -59,7 +59,9 @@ constexpr std::array kFormats{
            }},
     Format{"vdb", "OpenVDB grids", false, true,
            [](const Path& path, const FormatOptions& options) {
-             return make_vdb_sink(path, {.integer_ids = options.vdb_ids, .z_pitch = options.z_pitch});
+             return make_vdb_sink(
+                 path,
+                 {.integer_ids = options.vdb_ids, .signed_distance = options.vdb_sdf, .z_pitch = options.z_pitch});
            }},
     Format{"vti", "VTK image data of labels", false, true,
            [](const Path& path, const FormatOptions& options) { return make_vti_sink(path, volume_options(options)); }},
@@ -112,6 +114,7 @@ void check_format(const std::string& name) {
 void add_format_options(CLI::App& verb) {
   add_value(verb, "--xml-payload", "numbers in the XML: binary (zlib + base64, the default) or text", "KIND");
   add_switch(verb, "--vdb-ids", "also an Int32 grid of material ids in the VDB");
+  add_switch(verb, "--vdb-sdf", "also a level set of each material in the VDB; voxels must be cubes");
   add_value(verb, "--plan", "the build's plan, for G-code", "plan.xml");
   add_switch(verb, "--dither", "graded materials as voxels of what they are mixed of, where voxels have one material");
   add_value(verb, "--grey-bits", "bits a pixel of png-grey and png-coverage: 8 (the default) or 16", "N");
@@ -128,6 +131,7 @@ FormatOptions read_format_options(const CLI::App& verb) {
     options.xml_text = *payload == "text";
   }
   options.vdb_ids = verb.count("--vdb-ids") > 0;
+  options.vdb_sdf = verb.count("--vdb-sdf") > 0;
   options.dither = verb.count("--dither") > 0;
   if (const auto bits = given(verb, "--grey-bits")) {
     if (*bits != "8" && *bits != "16") throw UsageError("'" + *bits + "' bits", "--grey-bits", "give 8 or 16");

@@ -13,10 +13,13 @@
 #include <unistd.h>
 #include <vector>
 
+#include "export/nrrd_file.h"
 #include "export/png_image.h"
 #include "export/png_stack.h"
 #include "export/raster_row.h"
+#include "export/tiff_file.h"
 #include "export/vdb/vdb_sink.h"
+#include "export/vti_file.h"
 #include "export/xml_slices.h"
 #include "slicing/store/store.h"
 
@@ -111,6 +114,17 @@ void export_layers(benchmark::State& state, const Sample& sample,
   count_rates(state, sample);
 }
 
+/// The grids of a VDB without their file.
+void fill_vdb(benchmark::State& state, const Sample& sample) {
+  const fs::path target = fs::temp_directory_path() / ("lamella-bench-" + std::to_string(::getpid()));
+  for (auto _ : state) {
+    const std::unique_ptr<LayerSink> sink = make_vdb_sink(target);
+    sink->begin(sample.info);
+    for (const Layer& layer : sample.layers) sink->write(layer);
+  }
+  count_rates(state, sample);
+}
+
 /// Pictures of labels without their files.
 void encode_labels(benchmark::State& state, const Sample& sample, int bits) {
   const Grid& grid = sample.info.plan.grid;
@@ -148,6 +162,10 @@ void register_all(const Sample& sample) {
   }
   add_sink("indexed_png", [](const fs::path& p) { return make_indexed_png_sink(p); });
   add_sink("png_per_material", [](const fs::path& p) { return make_png_sink(p); });
+  add("fill_vdb", [&sample](benchmark::State& state) { fill_vdb(state, sample); });
+  add_sink("tiff", [](const fs::path& p) { return make_tiff_sink(p); });
+  add_sink("nrrd", [](const fs::path& p) { return make_nrrd_sink(p); });
+  add_sink("vti", [](const fs::path& p) { return make_vti_sink(p); });
   add_sink("vdb", [](const fs::path& p) { return make_vdb_sink(p); });
   add_sink("xml_binary", [](const fs::path& p) { return make_xml_sink(p); });
   add_sink("xml_text", [](const fs::path& p) { return make_xml_sink(p, XmlPayload::text); });

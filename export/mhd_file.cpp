@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <fstream>
+#include <libdeflate.h>
 #include <optional>
 #include <zlib.h>
 
@@ -45,7 +46,7 @@ class MhdFile final : public VolumeFile {
   [[nodiscard]] EncodedSlice encode(std::span<const std::uint8_t> labels) const override {
     if (is_raw_) return {{labels.begin(), labels.end()}};
     return {deflate_rows(labels, volume_.row_bytes(), static_cast<std::size_t>(volume_.label_bytes), true),
-            static_cast<std::uint32_t>(adler32_z(1, labels.data(), labels.size()))};
+            libdeflate_adler32(1, labels.data(), labels.size())};
   }
 
   void add(const EncodedSlice& slice) override {

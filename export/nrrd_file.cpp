@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <libdeflate.h>
 #include <optional>
 #include <zlib.h>
 
@@ -79,7 +80,7 @@ class NrrdFile final : public VolumeFile {
   [[nodiscard]] EncodedSlice encode(std::span<const std::uint8_t> labels) const override {
     if (is_raw_) return {{labels.begin(), labels.end()}};
     return {deflate_rows(labels, volume_.row_bytes(), static_cast<std::size_t>(volume_.label_bytes), true),
-            static_cast<std::uint32_t>(crc32_z(0, labels.data(), labels.size()))};
+            libdeflate_crc32(0, labels.data(), labels.size())};
   }
 
   void add(const EncodedSlice& slice) override {

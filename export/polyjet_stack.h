@@ -9,7 +9,7 @@
 namespace lamella {
 
 struct PolyjetOptions {
-  std::optional<double> z_pitch;  ///< mm, see UniformZ
+  std::optional<double> z_pitch{};  ///< mm, see UniformZ
 };
 
 /// A folder of PNGs for the voxel printing of PolyJet machines: RGBA, opaque, a colour per material on black, slices

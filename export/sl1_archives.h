@@ -9,7 +9,7 @@
 namespace lamella {
 
 struct Sl1Options {
-  std::optional<double> z_pitch;  ///< mm, see UniformZ
+  std::optional<double> z_pitch{};  ///< mm, see UniformZ
 };
 
 /// A folder with one SL1 archive per material, as mask printers take them: grey pictures of 8 bits and two tables of

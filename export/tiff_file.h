@@ -8,7 +8,7 @@
 namespace lamella {
 
 struct TiffOptions {
-  VolumeOptions volume;
+  VolumeOptions volume{};
   /// Bytes from which on the file is a BigTIFF; offsets of others have 32 bits.
   std::uint64_t big_from = std::uint64_t{1} << 32;
 };

@@ -44,8 +44,8 @@ class VolumeFile {
 };
 
 struct VolumeOptions {
-  std::optional<double> z_pitch;  ///< mm, see UniformZ
-  bool is_raw = false;            ///< not compressed
+  std::optional<double> z_pitch{};  ///< mm, see UniformZ
+  bool is_raw = false;              ///< not compressed
 };
 
 /// A sink that feeds `file` with the labels of pixels' centres. `format` names it in errors.

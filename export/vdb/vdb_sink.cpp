@@ -7,6 +7,7 @@
 #include <openvdb/io/Archive.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Prune.h>
+#include <openvdb/tools/TopologyToLevelSet.h>
 #include <optional>
 #include <string>
 
@@ -26,6 +27,9 @@ namespace {
 
 constexpr std::int64_t kMaxVoxelsPerAxis = std::int64_t{1} << 20;
 constexpr const char* kCreator = "Lamella";
+constexpr std::string_view kMaskPrefix = "density_";
+constexpr int kBandVoxels = 3;   // of a level set on either side of its surface, as other programs expect
+constexpr double kCubic = 1e-6;  // how much the sides of a voxel may differ in a level set
 
 void initialise_library() {
   static std::once_flag done;
@@ -112,8 +116,9 @@ class GridSet {
       : transform_(make_transform(grid)), density_("density"), material_("material") {
     std::vector<std::string> names;
     for (const Material& material : info.materials) names.push_back(material.name);
-    for (const std::string& name : safe_file_names(names)) masks_.emplace_back("density_" + name);
+    for (const std::string& name : safe_file_names(names)) masks_.emplace_back(std::string(kMaskPrefix) + name);
     if (options.integer_ids) ids_.emplace("material_id");
+    signed_distance_ = options.signed_distance;
     describe(info);
   }
 
@@ -156,10 +161,23 @@ class GridSet {
     add(material_);
     for (FloatBuilder& mask : masks_) add(mask);
     if (ids_) add(*ids_);
+    if (signed_distance_) {
+      for (FloatBuilder& mask : masks_) grids.push_back(distance_to(*mask.grid()));
+    }
     return grids;
   }
 
  private:
+  /// Distance in mm to the surface between voxels of a material and others, negative within it, in a narrow band.
+  static openvdb::FloatGrid::Ptr distance_to(const openvdb::FloatGrid& mask) {
+    constexpr int kClosingSteps = 0;  // a gap of one voxel is a gap
+    auto surface = openvdb::tools::topologyToLevelSet(mask, kBandVoxels, kClosingSteps);
+    for (auto meta = mask.beginMeta(); meta != mask.endMeta(); ++meta) surface->insertMeta(meta->first, *meta->second);
+    surface->setGridClass(openvdb::GRID_LEVEL_SET);
+    surface->setName("surface_" + mask.getName().substr(kMaskPrefix.size()));
+    return surface;
+  }
+
   /// The materials' labels among those of a leaf, few as a rule.
   const std::vector<std::uint32_t>& distinct(const LeafLabels& labels) {
     distinct_.clear();
@@ -219,6 +237,7 @@ class GridSet {
   FloatBuilder material_;
   std::vector<FloatBuilder> masks_;
   std::optional<IntBuilder> ids_;
+  bool signed_distance_ = false;
   std::vector<std::uint32_t> distinct_;  ///< memory of distinct()
 };
 
@@ -247,6 +266,10 @@ class VdbSink final : public LayerSink {
       if (size > kMaxVoxelsPerAxis) {
         throw UsageError("a VDB takes at most 2^20 voxels along an axis", path_.string(), "choose a coarser --pitch");
       }
+    }
+    if (options_.signed_distance && grid.pitch.maxCoeff() > (1.0 + kCubic) * grid.pitch.minCoeff()) {
+      throw UsageError("signed distances need cubic voxels", "--vdb-sdf",
+                       "slice with the same --pitch and --layer-height, or give --z-pitch");
     }
     initialise_library();
     info_ = info;

@@ -10,7 +10,8 @@ namespace lamella {
 
 struct VdbOptions {
   bool integer_ids = false;       ///< also an Int32 grid `material_id` (pyopenvdb can't read it)
-  std::optional<double> z_pitch;  ///< mm, see UniformZ
+  bool signed_distance = false;   ///< also a level set `surface_<material>` each, which needs cubic voxels
+  std::optional<double> z_pitch{};  ///< mm, see UniformZ
 };
 
 /// One OpenVDB file: fog `density`, one float mask `density_<material>` each, float `material` ids (0 void, 1 + id),

@@ -42,12 +42,12 @@ std::set<std::string> names_in(const std::string& text, const std::regex& patter
 TEST(JobSchema, EveryOptionOfSliceHasItsPlace) {
   const std::string help = run_lamella("slice --help").output;
   std::set<std::string> options =
-      names_in(help.substr(0, help.find("Examples")), std::regex("\\n  [^\\n]*?--([a-z-]+)"));
+      names_in(help.substr(0, help.find("Examples")), std::regex("\\n  [^\\n]*?--([a-z0-9-]+)"));
   for (const char* of_the_command_line : {"help", "job"}) EXPECT_EQ(options.erase(of_the_command_line), 1U);
   const std::string schema = contents(source_dir() / "schemas/job.xsd");
   const std::size_t begin = schema.find("name=\"Options\"");
   const std::string type = schema.substr(begin, schema.find("</xs:complexType>", begin) - begin);
-  EXPECT_EQ(names_in(type, std::regex("attribute name=\"([a-z-]+)\"")), options);
+  EXPECT_EQ(names_in(type, std::regex("attribute name=\"([a-z0-9-]+)\"")), options);
 }
 
 class Job : public ::testing::Test {

@@ -1,10 +1,11 @@
 """Compares a build's volumes and pictures with its segments, voxel by voxel.
 
-    compare_formats.py BUILD FOLDER
+    compare_formats.py BUILD FOLDER [dithered]
 
 FOLDER holds `png-indexed`, `sl1`, `a.tif`, `a.nrrd`, `a.mhd`, `a.vti` and `a.vdb` of the build. Labels are made from the segments
 that h5py reads from the store, by the definition: a voxel has the material of the segment that holds its centre. Prints a line for each
-format and one with the number of voxels of each material; fails with the first voxel that differs.
+format and one with the number of voxels of each material; fails with the first voxel that differs. Of dithered builds the pictures are
+what the others are compared with, and must have material where the segments have.
 """
 
 import csv
@@ -53,8 +54,17 @@ def by_script(script, *arguments):
     return out
 
 
-check("png-indexed", numpy.stack([
-    numpy.asarray(Image.open(folder / "png-indexed" / f"layer_{k:06}.png"))[::-1] for k in range(nz)]))
+pictures = numpy.stack([
+    numpy.asarray(Image.open(folder / "png-indexed" / f"layer_{k:06}.png"))[::-1] for k in range(nz)])
+if "dithered" in sys.argv:
+    assert ((pictures > 0) == (expected > 0)).all()
+    graded = [n for n, m in enumerate(store.findall("b:materials/b:material", space), 1) if m.find("b:component", space) is not None]
+    inside = numpy.isin(expected, graded)
+    shares = [(pictures[inside] == label).mean() for label in numpy.unique(pictures[inside])]
+    assert len(shares) > 1 and min(shares) > 0.01, shares
+    materials = [m for n, m in enumerate(materials, 1) if n not in graded]
+    expected = pictures.astype(numpy.uint16)
+check("png-indexed", pictures)
 for file in ("a.tif", "a.nrrd", "a.mhd", "a.vti"):
     labels = by_script("read_volume.py", folder / file, folder / "labels")
     check(file, numpy.fromfile(labels, dtype="<u2").reshape(nz, ny, nx))

@@ -40,12 +40,13 @@ std::string small_lattice(const fs::path& step) {
 
 class DatasetFormats : public ::testing::TestWithParam<std::string> {};
 
-TEST_P(DatasetFormats, EveryVoxelOfEveryFormatIsThatOfTheSegments) {
-  const fs::path data = source_dir() / "datasets" / GetParam();
+/// Slices a data set into all formats of labels and compares them.
+void expect_equal_formats(const std::string& name, const char* materials, const std::string& more, const char* kind) {
+  const fs::path data = source_dir() / "datasets" / name;
   const TemporaryFolder folder;
-  const fs::path step = data / (GetParam() + ".step");
-  std::string line = "slice " + quoted(step) + " --materials " + quoted(data / "materials.xml") + " -o " +
-                     quoted(folder / "build") + " --quiet " + small_lattice(step);
+  const fs::path step = data / (name + ".step");
+  std::string line = "slice " + quoted(step) + " --materials " + quoted(data / materials) + " -o " +
+                     quoted(folder / "build") + " --quiet " + small_lattice(step) + more;
   for (const char* format : {"png", "png-indexed", "sl1"}) {
     line += std::string(" --") + format + " " + quoted(folder / format);
   }
@@ -55,15 +56,23 @@ TEST_P(DatasetFormats, EveryVoxelOfEveryFormatIsThatOfTheSegments) {
   ASSERT_TRUE(slice.exit_code == 0 || slice.exit_code == 3) << slice.errors;
   const CommandResult compared =
       run_command("/usr/bin/python3 " + quoted(source_dir() / "tests/datasets/compare_formats.py") + " " +
-                  quoted(folder / "build") + " " + quoted(folder.path()));
-  EXPECT_EQ(compared.exit_code, 0) << compared.errors;
-  EXPECT_EQ(compared.output.find("png-indexed\na.tif\na.nrrd\na.mhd\na.vti\na.vdb\nsl1\nvoxels "), 0U)
+                  quoted(folder / "build") + " " + quoted(folder.path()) + kind);
+  ASSERT_EQ(compared.exit_code, 0) << compared.errors;
+  ASSERT_EQ(compared.output.find("png-indexed\na.tif\na.nrrd\na.mhd\na.vti\na.vdb\nsl1\nvoxels "), 0U)
       << compared.output;
   // A build without material would compare nothing.
   std::istringstream counts(compared.output.substr(compared.output.rfind("voxels") + 6));
   std::int64_t voxels = 0;
   for (std::int64_t count = 0; counts >> count;) voxels += count;
   EXPECT_GT(voxels, 500);
+}
+
+TEST_P(DatasetFormats, EveryVoxelOfEveryFormatIsThatOfTheSegments) {
+  expect_equal_formats(GetParam(), "materials.xml", "", "");
+}
+
+TEST(DitheredFormats, HaveTheSameVoxelsOfPlainMaterials) {
+  expect_equal_formats("gradient_lens", "graded.xml", " --dither", " dithered");
 }
 
 INSTANTIATE_TEST_SUITE_P(All, DatasetFormats, ::testing::ValuesIn(dataset_names()),

@@ -1,6 +1,8 @@
 #include "export/vdb/vdb_sink.h"
 
+#include <cmath>
 #include <csignal>
+#include <cstring>
 #include <fstream>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -203,6 +205,62 @@ TEST(VdbSink, ThickLayersAreRepeatedAsSlices) {
   EXPECT_EQ(vdb.labels, expected);
   EXPECT_NEAR(std::stod(vdb.items.at("centre material").substr(vdb.items.at("centre material").rfind(' '))), 0.75,
               1e-12);
+}
+
+TEST(VdbSink, LevelSetsAreNegativeExactlyInTheMaterialAndNearTheDistanceOfABall) {
+  Grid grid;
+  grid.origin = {-3.0, 4.0, 0.5};
+  grid.pitch = {0.1, 0.1, 0.1};
+  grid.size = {48, 48, 48};
+  const TemporaryFolder folder;
+  const BuildInfo info = make_build(grid, {"ball", "nothing"});
+  const double radius = 15.3;  // voxels
+  const auto distance = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
+    return std::hypot(i - 24.2, j - 23.7, k - 23.9) - radius;
+  };
+  std::vector<Layer> layers;
+  for (std::int64_t k = 0; k < 48; ++k) {
+    layers.push_back(
+        layer_of_labels(info, k, [&](auto i, auto j, auto at) { return distance(i, j, at) < 0.0 ? 0 : -1; }));
+  }
+  feed(*make_vdb_sink(folder / "a.vdb", {.signed_distance = true}), info, layers);
+  const CommandResult result =
+      run_command("/usr/bin/python3 " + quoted(source_dir() / "tests/export/read_level_set.py") + " " +
+                  quoted(folder / "a.vdb") + " surface_ball 48 " + quoted(folder / "distances"));
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_EQ(result.output, "level set ball mm 0.3\n");
+  const std::string bytes = bytes_of(folder / "distances");
+  ASSERT_EQ(bytes.size(), 48U * 48 * 48 * sizeof(float));
+  double worst_at_surface = 0.0;
+  double worst = 0.0;
+  double sum = 0.0;
+  std::int64_t near = 0;
+  for (std::int64_t n = 0; n < 48 * 48 * 48; ++n) {
+    float found = 0.0F;
+    std::memcpy(&found, bytes.data() + static_cast<std::size_t>(n) * sizeof(float), sizeof(float));
+    const double exact = distance(n % 48, n / 48 % 48, n / 48 / 48);
+    ASSERT_EQ(found < 0.0F, exact < 0.0) << n;
+    if (std::abs(exact) > 2.0) continue;
+    const double error = std::abs(found / 0.1 - exact);
+    worst = std::max(worst, error);
+    if (std::abs(exact) < 1.0) worst_at_surface = std::max(worst_at_surface, error);
+    sum += error;
+    ++near;
+  }
+  EXPECT_GT(near, 9000);  // 4 pi r^2 times four voxels
+  // In voxels; of labels alone no more can be known than to about one.
+  EXPECT_LT(worst_at_surface, 1.0);
+  EXPECT_LT(worst, 1.25);
+  EXPECT_LT(sum / static_cast<double>(near), 0.4);
+  RecordProperty("worst_at_surface", std::to_string(worst_at_surface));
+  std::cout << worst_at_surface << ' ' << worst << ' ' << sum / near << std::endl;
+}
+
+TEST(VdbSink, LevelSetsNeedCubicVoxels) {
+  const TemporaryFolder folder;
+  const BuildInfo info = make_build(small_grid(), {"steel"});
+  EXPECT_THROW(make_vdb_sink(folder / "a.vdb", {.signed_distance = true})->begin(info), UsageError);
+  EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
 TEST(VdbSink, RefusesLayersWithoutACommonMeasure) {
