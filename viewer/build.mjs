@@ -23,7 +23,10 @@ async function bundle(entry) {
 }
 
 const [page, style, script] = await Promise.all([
-  readFile(join(here, 'src/page.html'), 'utf8'), bundle('src/style.css'), bundle('src/main.js')]);
+  readFile(join(here, 'src/page.html'), 'utf8'),
+  bundle('src/style.css'),
+  bundle('src/main.js'),
+]);
 const whole = page
   .replace('/*style*/', () => style)
   .replace('/*script*/', () => script.replaceAll('</script', '<\\/script'));

@@ -108,7 +108,8 @@ TEST(Errors, AreJsonOnStdoutToo) {
 
 TEST(Errors, AFileThatIsntThereIsExitCodeTwo) {
   for (const std::string verb : {"info absent.step", "slice absent.step -o absent-build", "check absent.step",
-                                 "ray absent.step --from 0,0,0 --dir 1,0,0", "export absent-build --to xml -o a.xml"}) {
+                                 "ray absent.step --from 0,0,0 --dir 1,0,0", "export absent-build --to xml -o a.xml",
+                                 "view absent-build -o a.html"}) {
     const CommandResult result = run_lamella(verb + " --json");
     EXPECT_EQ(result.exit_code, 2) << verb << result.errors;
     EXPECT_THAT(result.errors, HasSubstr("absent")) << verb;

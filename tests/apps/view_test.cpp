@@ -64,6 +64,20 @@ TEST_F(View, TakesRangesAndEveryNthLayer) {
   EXPECT_FALSE(std::filesystem::exists(place("none.html")));
 }
 
+TEST_F(View, WhatIsTooLargeIsRefusedAtOnceWithTheFewestLayersToLeaveOut) {
+  std::filesystem::copy(place("build"), place("huge"), std::filesystem::copy_options::recursive);
+  std::string text = contents(place("huge/build.xml"));
+  const std::size_t rows = text.find(" rows=\"", text.find("<report "));
+  ASSERT_NE(rows, std::string::npos);
+  text.replace(rows, text.find('"', rows + 7) + 1 - rows, " rows=\"100000000\"");
+  write_text(place("huge/build.xml"), text);
+  const std::string command = "view " + quoted(place("huge")) + " -o " + quoted(place("huge.html"));
+  const CommandResult result = run_lamella(command);
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.errors, HasSubstr("--every 3"));
+  EXPECT_EQ(run_lamella(command + " --every 3").exit_code, 0);
+}
+
 TEST_F(View, RefusesToWriteOverTheBuildOrAFolder) {
   EXPECT_EQ(view("build").exit_code, 1);
   std::filesystem::create_directory(place("folder"));

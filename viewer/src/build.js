@@ -26,8 +26,11 @@ class Columns {
     const { bytes, at } = this;
     const column = new Uint32Array(count);
     for (let i = 0; i < count; ++i) {
-      column[i] = bytes[at + i] | bytes[at + count + i] << 8 | bytes[at + 2 * count + i] << 16
-        | bytes[at + 3 * count + i] << 24;
+      column[i] =
+        bytes[at + i] |
+        (bytes[at + count + i] << 8) |
+        (bytes[at + 2 * count + i] << 16) |
+        (bytes[at + 3 * count + i] << 24);
     }
     this.at += 4 * count;
     return column;
@@ -115,7 +118,7 @@ export class Build {
     let layer = 0;
     this.chunks.forEach((sizes, c) => {
       this.firstLayer.push(layer);
-      this.chunkOf.fill(c, layer, layer += sizes.layers);
+      this.chunkOf.fill(c, layer, (layer += sizes.layers));
     });
   }
 
@@ -127,7 +130,9 @@ export class Build {
 
   async load(k) {
     const c = this.chunkOf[k];
-    this.decoded[c] ??= this.decode(c).then((chunk) => { this.decoded[c] = chunk; });
+    this.decoded[c] ??= this.decode(c).then((chunk) => {
+      this.decoded[c] = chunk;
+    });
     await this.decoded[c];
     return this.peek(k);
   }
@@ -163,7 +168,8 @@ export class Build {
     const last = high;
     while (low < high) {
       const middle = (low + high) >> 1;
-      if (chunk.end[middle] > code) high = middle; else low = middle + 1;
+      if (chunk.end[middle] > code) high = middle;
+      else low = middle + 1;
     }
     return low < last && chunk.begin[low] <= code ? low : -1;
   }
@@ -175,14 +181,19 @@ export class Build {
     let high = this.count - 1;
     while (low < high) {
       const middle = (low + high) >> 1;
-      if (this.zEnd[middle] > z) high = middle; else low = middle + 1;
+      if (this.zEnd[middle] > z) high = middle;
+      else low = middle + 1;
     }
     return low;
   }
 
   /** mm */
-  x(code) { return this.grid.origin[0] + (code / this.one + 0.5) * this.grid.pitch[0]; }
-  y(row) { return this.grid.origin[1] + (row + 0.5) * this.grid.pitch[1]; }
+  x(code) {
+    return this.grid.origin[0] + (code / this.one + 0.5) * this.grid.pitch[0];
+  }
+  y(row) {
+    return this.grid.origin[1] + (row + 0.5) * this.grid.pitch[1];
+  }
 }
 
 /** Reads header and chunks out of the page. Texts of chunks are dropped once they are taken. */

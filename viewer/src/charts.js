@@ -31,17 +31,30 @@ export class Chart {
     this.cursor = element('line', { class: 'cursor', y1: kTop, y2: this.bottom });
     this.value = element('text', { class: 'value', y: kTop + 10 });
     this.svg.append(this.cursor, this.value);
-    this.svg.addEventListener('pointermove', (event) => { if (event.buttons & 1) this.pick(event); else this.tell(event); });
+    this.svg.addEventListener('pointermove', (event) => {
+      if (event.buttons & 1) this.pick(event);
+      else this.tell(event);
+    });
     this.svg.addEventListener('pointerdown', (event) => this.pick(event));
-    this.svg.addEventListener('pointerleave', () => { this.value.textContent = ''; });
+    this.svg.addEventListener('pointerleave', () => {
+      this.value.textContent = '';
+    });
   }
 
-  get bottom() { return this.height - kBottom; }
-  x(z) { return kLeft + (z - this.build.zLow) / (this.build.zHigh - this.build.zLow) * (kWidth - kLeft - kRight); }
-  y(value) { return this.bottom - value / this.top * (this.bottom - kTop); }
+  get bottom() {
+    return this.height - kBottom;
+  }
+  x(z) {
+    return kLeft + ((z - this.build.zLow) / (this.build.zHigh - this.build.zLow)) * (kWidth - kLeft - kRight);
+  }
+  y(value) {
+    return this.bottom - (value / this.top) * (this.bottom - kTop);
+  }
 
   summary() {
-    const largest = this.lines.map(({ name, values }) => `${name}: at most ${short(values.reduce((a, b) => Math.max(a, b), 0))}`);
+    const largest = this.lines.map(
+      ({ name, values }) => `${name}: at most ${short(values.reduce((a, b) => Math.max(a, b), 0))}`,
+    );
     return `${this.label} over height z in mm. ${largest.join('; ')}`;
   }
 
@@ -51,15 +64,29 @@ export class Chart {
     const stepZ = tickStep(build.zHigh - build.zLow, 6);
     for (let n = Math.ceil(build.zLow / stepZ - 1e-9); n * stepZ <= build.zHigh + 1e-9 * stepZ; ++n) {
       add(this.x(n * stepZ), kTop, this.x(n * stepZ), this.bottom);
-      svg.append(element('text', { x: this.x(n * stepZ), y: this.bottom + 14, 'text-anchor': 'middle' }, mm(n * stepZ)));
+      svg.append(
+        element('text', { x: this.x(n * stepZ), y: this.bottom + 14, 'text-anchor': 'middle' }, mm(n * stepZ)),
+      );
     }
     const step = tickStep(this.top, 4);
     for (let n = 0; n * step <= this.top; ++n) {
       add(kLeft, this.y(n * step), kWidth - kRight, this.y(n * step));
       svg.append(element('text', { x: kLeft - 5, y: this.y(n * step) + 4, 'text-anchor': 'end' }, short(n * step)));
     }
-    svg.append(element('text', { x: (kLeft + kWidth - kRight) / 2, y: this.height - 6, 'text-anchor': 'middle' }, 'height z in mm'));
-    svg.append(element('text', { transform: `translate(10 ${(kTop + this.bottom) / 2}) rotate(-90)`, 'text-anchor': 'middle' }, this.label));
+    svg.append(
+      element(
+        'text',
+        { x: (kLeft + kWidth - kRight) / 2, y: this.height - 6, 'text-anchor': 'middle' },
+        'height z in mm',
+      ),
+    );
+    svg.append(
+      element(
+        'text',
+        { transform: `translate(10 ${(kTop + this.bottom) / 2}) rotate(-90)`, 'text-anchor': 'middle' },
+        this.label,
+      ),
+    );
   }
 
   /** Layers that share a column show the largest of their values. */
@@ -74,7 +101,10 @@ export class Chart {
       path += `${k ? 'L' : 'M'}${this.x(build.layers.z_bottom[k]).toFixed(1)} ${this.y(value).toFixed(1)}H${this.x(build.zEnd[end - 1]).toFixed(1)}`;
     }
     const group = element('g', {});
-    group.append(element('path', { class: 'halo', d: path }), element('path', { class: 'curve', d: path, stroke: color }));
+    group.append(
+      element('path', { class: 'halo', d: path }),
+      element('path', { class: 'curve', d: path, stroke: color }),
+    );
     this.svg.append(group);
     return group;
   }
@@ -85,16 +115,28 @@ export class Chart {
       if (!box) continue;
       const from = this.x(Math.max(box.low[2], this.build.zLow));
       const width = Math.max(2, this.x(Math.min(box.high[2], this.build.zHigh)) - from);
-      const rect = element('rect', { class: `mark ${kind}`, x: from, y: this.bottom - 4 - 5 * kLanes.indexOf(kind), width, height: 4 });
+      const rect = element('rect', {
+        class: `mark ${kind}`,
+        x: from,
+        y: this.bottom - 4 - 5 * kLanes.indexOf(kind),
+        width,
+        height: 4,
+      });
       rect.append(element('title', {}, kNames[kind]));
       this.svg.append(rect);
     }
     for (const z of places) {
-      this.svg.append(element('path', { class: 'mark finding', d: `M${this.x(z).toFixed(1)} ${this.bottom - 8}l4 8h-8z` }));
+      this.svg.append(
+        element('path', { class: 'mark finding', d: `M${this.x(z).toFixed(1)} ${this.bottom - 8}l4 8h-8z` }),
+      );
     }
   }
 
-  setShown(shown) { this.curves.forEach((curve, n) => { curve.style.display = shown[n] ? '' : 'none'; }); }
+  setShown(shown) {
+    this.curves.forEach((curve, n) => {
+      curve.style.display = shown[n] ? '' : 'none';
+    });
+  }
 
   setLayer(k) {
     const x = this.x((this.build.layers.z_bottom[k] + this.build.zEnd[k]) / 2);
@@ -104,7 +146,7 @@ export class Chart {
 
   layerOf(event) {
     const box = this.svg.getBoundingClientRect();
-    const part = ((event.clientX - box.left) / box.width * kWidth - kLeft) / (kWidth - kLeft - kRight);
+    const part = (((event.clientX - box.left) / box.width) * kWidth - kLeft) / (kWidth - kLeft - kRight);
     const z = this.build.zLow + Math.min(1 - 1e-9, Math.max(0, part)) * (this.build.zHigh - this.build.zLow);
     return this.build.layerAt(z);
   }

@@ -1,7 +1,7 @@
 // Colours of materials as the 32-bit numbers of canvas pixels.
 
 const parse = (text) => [1, 3, 5].map((at) => parseInt(text.slice(at, at + 2), 16));
-const pack = (r, g, b) => (255 << 24 | b << 16 | g << 8 | r) >>> 0;
+const pack = (r, g, b) => ((255 << 24) | (b << 16) | (g << 8) | r) >>> 0;
 
 /** Which materials are shown, in which colour. A hidden material is as no material. */
 export class Palette {
@@ -13,7 +13,9 @@ export class Palette {
   }
 
   /** 0 for a hidden material. */
-  of(material) { return this.shown[material] ? this.colors[material] : 0; }
+  of(material) {
+    return this.shown[material] ? this.colors[material] : 0;
+  }
 
   /** The mixture of a graded segment at a code: the components' sRGB values weighted with their volume fractions. */
   blend(mixtures, g, material, code) {
@@ -43,7 +45,8 @@ function placeOf({ knotStart, x }, g, code) {
   const last = high - 1;
   while (low < high) {
     const middle = (low + high) >> 1;
-    if (x[middle] >= code) high = middle; else low = middle + 1;
+    if (x[middle] >= code) high = middle;
+    else low = middle + 1;
   }
   if (low > last) return { knot: last, next: last, part: 0 };
   if (low === first) return { knot: first, next: first, part: 0 };
@@ -56,7 +59,8 @@ export function gradedNumber({ segment }, i) {
   let high = segment.length;
   while (low < high) {
     const middle = (low + high) >> 1;
-    if (segment[middle] < i) low = middle + 1; else high = middle;
+    if (segment[middle] < i) low = middle + 1;
+    else high = middle;
   }
   return low < segment.length && segment[low] === i ? low : -1;
 }
@@ -68,6 +72,10 @@ export function fractionsAt(build, chunk, i, code) {
   const { mixtures } = chunk;
   const components = build.materials[chunk.material[i]].components;
   const { knot, next, part } = placeOf(mixtures, g, code);
-  const value = (k, c) => mixtures.fraction[mixtures.fractionStart[g] + (k - mixtures.knotStart[g]) * components.length + c];
-  return components.map((material, c) => ({ material, share: ((1 - part) * value(knot, c) + part * value(next, c)) / 65535 }));
+  const value = (k, c) =>
+    mixtures.fraction[mixtures.fractionStart[g] + (k - mixtures.knotStart[g]) * components.length + c];
+  return components.map((material, c) => ({
+    material,
+    share: ((1 - part) * value(knot, c) + part * value(next, c)) / 65535,
+  }));
 }

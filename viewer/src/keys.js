@@ -24,11 +24,19 @@ const kMouse = [
 ];
 
 export function fillHelp(dialog, build) {
-  const list = (pairs) => node('dl', {}, ...pairs.flatMap(([key, what]) => [node('dt', {}, key), node('dd', {}, what)]));
+  const list = (pairs) =>
+    node('dl', {}, ...pairs.flatMap(([key, what]) => [node('dt', {}, key), node('dd', {}, what)]));
   const close = node('button', {}, 'Close');
   close.addEventListener('click', () => dialog.close());
   const fineness = `Ends of segments are within ${(build.grid.pitch[0] / build.one).toExponential(1)} mm of those of the build; no pixel's label differs.`;
-  dialog.replaceChildren(node('h2', { id: 'h-keys' }, 'Keys'), list(kKeys), node('h2', {}, 'Mouse'), list(kMouse), node('p', {}, fineness), close);
+  dialog.replaceChildren(
+    node('h2', { id: 'h-keys' }, 'Keys'),
+    list(kKeys),
+    node('h2', {}, 'Mouse'),
+    list(kMouse),
+    node('p', {}, fineness),
+    close,
+  );
 }
 
 /** Calls the action of a key. Keys typed into fields stay theirs. */
@@ -38,8 +46,14 @@ export function listenForKeys(actions) {
     if (event.ctrlKey || event.metaKey || event.altKey || document.querySelector('dialog[open]')) return;
     const isField = target.matches('input:not([type=checkbox]), select, textarea');
     const isTab = target.matches('[role=tab]') && event.key.startsWith('Arrow');
-    if (isTab || isField && (event.key.length === 1 || /^(Arrow|Home|End)/.test(event.key) || target.matches('select'))) return;
-    const name = (event.shiftKey && event.key.length > 1 ? 'Shift+' : '') + (event.key.length === 1 ? event.key.toLowerCase() : event.key);
+    if (
+      isTab ||
+      (isField && (event.key.length === 1 || /^(Arrow|Home|End)/.test(event.key) || target.matches('select')))
+    )
+      return;
+    const name =
+      (event.shiftKey && event.key.length > 1 ? 'Shift+' : '') +
+      (event.key.length === 1 ? event.key.toLowerCase() : event.key);
     if (!actions[name]) return;
     event.preventDefault();
     actions[name]();

@@ -22,9 +22,13 @@ class Page {
     this.places = { xy: build.count >> 1, xz: build.ny >> 1, yz: build.nx >> 1, '3d': kClipSteps >> 1 };
     this.marks = pairMarks(build);
     this.findings = findingMarks(build);
-    this.plane = new PlaneView(byId('plane'), build, this.palette, this.planes,
-      { probe: (probe) => this.tellPoint(probe), turn: (steps) => this.go(this.place + steps),
-        drawn: () => { byId('zoom').textContent = this.zoomText(); } });
+    this.plane = new PlaneView(byId('plane'), build, this.palette, this.planes, {
+      probe: (probe) => this.tellPoint(probe),
+      turn: (steps) => this.go(this.place + steps),
+      drawn: () => {
+        byId('zoom').textContent = this.zoomText();
+      },
+    });
     this.plane.marks = this.marks;
     this.volume = new VolumeView(byId('volume'), build, this.palette, {});
     this.fillTexts();
@@ -32,8 +36,12 @@ class Page {
     this.listen();
   }
 
-  get place() { return this.places[this.view]; }
-  get last() { return (this.view === '3d' ? kClipSteps : this.planes[this.view].places) - 1; }
+  get place() {
+    return this.places[this.view];
+  }
+  get last() {
+    return (this.view === '3d' ? kClipSteps : this.planes[this.view].places) - 1;
+  }
 
   fillTexts() {
     const { build } = this;
@@ -41,9 +49,13 @@ class Page {
     const name = build.sources.map((source) => source.split('/').pop()).join(', ') || 'build';
     document.title = `${name} \u2013 Lamella`;
     byId('title').textContent = name;
-    const shown = build.count === build.layers.planned ? `${build.count} layers` : `${build.count} of ${build.layers.planned} layers`;
+    const shown =
+      build.count === build.layers.planned
+        ? `${build.count} layers`
+        : `${build.count} of ${build.layers.planned} layers`;
     const thin = build.isThinned ? ' (each stands for those up to the next)' : '';
-    byId('facts').textContent = `${shown}${thin} \u00B7 ${size[0]} \u00D7 ${size[1]} pixels of ${short(pitch[0])} \u00D7 ${short(pitch[1])} mm \u00B7 z ${mm(build.zLow)} to ${mm(build.zHigh)} mm`;
+    byId('facts').textContent =
+      `${shown}${thin} \u00B7 ${size[0]} \u00D7 ${size[1]} pixels of ${short(pitch[0])} \u00D7 ${short(pitch[1])} mm \u00B7 z ${mm(build.zLow)} to ${mm(build.zHigh)} mm`;
     fillHelp(byId('keys'), build);
     showPoint(byId('point'), null);
   }
@@ -51,13 +63,26 @@ class Page {
   fillAside() {
     const { build } = this;
     this.materials = new MaterialList(byId('materials'), build, this.palette, () => this.refreshColors());
-    const choose = (k) => { if (this.view !== 'xy') this.open('xy'); this.go(k); };
-    const lines = build.materials.map((material, m) => ({ name: material.name, color: material.color, values: build.layers.area[m] }));
+    const choose = (k) => {
+      if (this.view !== 'xy') this.open('xy');
+      this.go(k);
+    };
+    const lines = build.materials.map((material, m) => ({
+      name: material.name,
+      color: material.color,
+      values: build.layers.area[m],
+    }));
     this.areaChart = new Chart(byId('area-chart'), build, { lines, label: 'area in mm\u00B2', height: 190, choose });
     const thickness = build.layers.z_top.map((top, k) => top - build.layers.z_bottom[k]);
-    this.thicknessChart = new Chart(byId('thickness-chart'), build,
-      { lines: [{ name: 'layers', color: 'var(--accent)', values: thickness }], label: 'thickness in mm', height: 120, choose });
-    const places = this.findings.filter(({ layer }) => layer !== null).map(({ layer }) => build.layers.z_sample[this.planes.xy.placeOf(layer)]);
+    this.thicknessChart = new Chart(byId('thickness-chart'), build, {
+      lines: [{ name: 'layers', color: 'var(--accent)', values: thickness }],
+      label: 'thickness in mm',
+      height: 120,
+      choose,
+    });
+    const places = this.findings
+      .filter(({ layer }) => layer !== null)
+      .map(({ layer }) => build.layers.z_sample[this.planes.xy.placeOf(layer)]);
     for (const chart of [this.areaChart, this.thicknessChart]) chart.addMarks(this.marks, places);
     fillReport(byId('report'), build, this.marks, this.findings, (mark) => this.lead(mark));
   }
@@ -92,8 +117,12 @@ class Page {
     const isVolume = view === '3d';
     byId('plane').hidden = isVolume;
     byId('volume').hidden = !isVolume;
-    document.querySelectorAll('.for-plane').forEach((part) => { part.hidden = isVolume; });
-    document.querySelectorAll('.for-volume').forEach((part) => { part.hidden = !isVolume; });
+    document.querySelectorAll('.for-plane').forEach((part) => {
+      part.hidden = isVolume;
+    });
+    document.querySelectorAll('.for-volume').forEach((part) => {
+      part.hidden = !isVolume;
+    });
     document.querySelector('.for-cut').hidden = view === 'xy';
     if (isVolume) this.openVolume();
     this.go(this.place);
@@ -109,7 +138,8 @@ class Page {
     this.busy('');
     const { data, unit } = this.volume;
     const of = data.step.every((step) => step === 1) ? '' : `, each of ${data.step.join(' \u00D7 ')} of the build's`;
-    byId('voxel-size').textContent = `${data.size.join(' \u00D7 ')} voxels of ${unit.map(short).join(' \u00D7 ')} mm${of}`;
+    byId('voxel-size').textContent =
+      `${data.size.join(' \u00D7 ')} voxels of ${unit.map(short).join(' \u00D7 ')} mm${of}`;
     this.showVolumeMarks();
     this.volume.resize();
     this.showPlace();
@@ -143,7 +173,9 @@ class Page {
       if (!this.build.peek(place)) await this.build.load(place);
       return;
     }
-    await this.build.loadAll(this.planes[view].layersNeeded(place), (share) => this.busy(`Decoding layers: ${Math.round(100 * share)} %`));
+    await this.build.loadAll(this.planes[view].layersNeeded(place), (share) =>
+      this.busy(`Decoding layers: ${Math.round(100 * share)} %`),
+    );
     if (this.view === view) this.busy('');
   }
 
@@ -157,8 +189,14 @@ class Page {
     byId('where-name').textContent = plane?.word ?? 'Cut';
     byId('where').textContent = plane ? plane.label(place) : this.volume.clipLabel();
     slider.setAttribute('aria-label', plane?.word ?? 'Place of the cutting plane');
-    slider.setAttribute('aria-valuetext', `${plane ? `${plane.word} ${plane.numberOf(place)}, ` : ''}${byId('where').textContent}`);
-    byId('plane').setAttribute('aria-label', plane ? `${plane.word} ${plane.numberOf(place)}, ${plane.label(place)}` : '');
+    slider.setAttribute(
+      'aria-valuetext',
+      `${plane ? `${plane.word} ${plane.numberOf(place)}, ` : ''}${byId('where').textContent}`,
+    );
+    byId('plane').setAttribute(
+      'aria-label',
+      plane ? `${plane.word} ${plane.numberOf(place)}, ${plane.label(place)}` : '',
+    );
     const layer = this.places.xy;
     this.materials.setLayer(layer);
     this.areaChart.setLayer(layer);
@@ -166,7 +204,7 @@ class Page {
   }
 
   zoomText() {
-    const zoom = this.view === '3d' ? 1 : this.plane.windows[this.view]?.across ?? 1;
+    const zoom = this.view === '3d' ? 1 : (this.plane.windows[this.view]?.across ?? 1);
     return `${short(Number(zoom.toPrecision(3)))} px/pixel`;
   }
 
@@ -192,7 +230,11 @@ class Page {
   showVolumeMarks() {
     const style = getComputedStyle(document.body);
     const inkOf = (kind) => style.getPropertyValue(`--${kind}`).trim();
-    this.volume.setMarks(this.plane.marksShown ? this.marks : [], { overlap: inkOf('overlap'), gap: inkOf('gap'), open: inkOf('open') });
+    this.volume.setMarks(this.plane.marksShown ? this.marks : [], {
+      overlap: inkOf('overlap'),
+      gap: inkOf('gap'),
+      open: inkOf('open'),
+    });
   }
 
   toggleTheme() {
@@ -200,7 +242,9 @@ class Page {
     this.setTheme(isDark ? 'light' : 'dark');
   }
 
-  toggle(id) { byId(id).click(); }
+  toggle(id) {
+    byId(id).click();
+  }
 
   /** The cut through the pointer. */
   cutThrough(view) {
@@ -219,21 +263,36 @@ class Page {
     document.querySelector('[role=tablist]').addEventListener('keydown', (event) => this.moveTab(event));
     on('position', 'input', () => this.go(Number(byId('position').value)));
     on('number', 'change', () => this.go(this.placeOfNumber(Number(byId('number').value))));
-    document.querySelector('.slider').addEventListener('wheel', (event) => {
-      event.preventDefault();
-      this.go(this.place + ((event.deltaY || event.deltaX) < 0 ? 1 : -1));
-    }, { passive: false });
+    document.querySelector('.slider').addEventListener(
+      'wheel',
+      (event) => {
+        event.preventDefault();
+        this.go(this.place + ((event.deltaY || event.deltaX) < 0 ? 1 : -1));
+      },
+      { passive: false },
+    );
     on('back', 'click', () => this.go(this.place - 1));
     on('forth', 'click', () => this.go(this.place + 1));
     on('zoom-in', 'click', () => this.plane.zoomBy(1.5));
     on('zoom-out', 'click', () => this.plane.zoomBy(1 / 1.5));
     on('fit', 'click', () => this.plane.fit());
     on('one', 'click', () => this.plane.oneToOne());
-    on('pixels', 'change', () => { this.plane.pixels = byId('pixels').checked; this.plane.draw(); this.tellPoint(this.plane.probe); });
-    on('marks', 'change', () => { this.plane.marksShown = byId('marks').checked; this.plane.draw(); this.showVolumeMarks(); });
+    on('pixels', 'change', () => {
+      this.plane.pixels = byId('pixels').checked;
+      this.plane.draw();
+      this.tellPoint(this.plane.probe);
+    });
+    on('marks', 'change', () => {
+      this.plane.marksShown = byId('marks').checked;
+      this.plane.draw();
+      this.showVolumeMarks();
+    });
     on('stretch', 'change', () => this.plane.setStretch(Number(byId('stretch').value)));
     on('home', 'click', () => this.volume.home());
-    on('clip-axis', 'change', () => { this.volume.setClip({ axis: byId('clip-axis').value }); this.showPlace(); });
+    on('clip-axis', 'change', () => {
+      this.volume.setClip({ axis: byId('clip-axis').value });
+      this.showPlace();
+    });
     on('clip-flip', 'change', () => this.volume.setClip({ flip: byId('clip-flip').checked }));
     window.matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => this.refreshTheme());
     on('theme', 'click', () => this.toggleTheme());
@@ -241,7 +300,9 @@ class Page {
     listenForKeys(this.keyActions());
   }
 
-  placeOfNumber(number) { return this.planes[this.view]?.placeOf(number) ?? number; }
+  placeOfNumber(number) {
+    return this.planes[this.view]?.placeOf(number) ?? number;
+  }
 
   moveTab(event) {
     const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
@@ -263,15 +324,37 @@ class Page {
     const zoom = (factor) => () => (this.view === '3d' ? volume.turn(0, 0, 1 / factor) : plane.zoomBy(factor));
     const step = (steps) => () => this.go(this.place + steps);
     return {
-      PageUp: step(1), PageDown: step(-1), 'Shift+PageUp': step(10), 'Shift+PageDown': step(-10),
-      Home: () => this.go(0), End: () => this.go(this.last),
-      ArrowLeft: arrow(-1, 0), ArrowRight: arrow(1, 0), ArrowUp: arrow(0, 1), ArrowDown: arrow(0, -1),
-      'Shift+ArrowLeft': probe(-1, 0), 'Shift+ArrowRight': probe(1, 0), 'Shift+ArrowUp': probe(0, 1), 'Shift+ArrowDown': probe(0, -1),
-      '+': zoom(1.25), '=': zoom(1.25), '-': zoom(0.8),
-      0: () => (this.view === '3d' ? volume.home() : plane.fit()), 1: () => { if (this.view !== '3d') plane.oneToOne(); },
-      z: () => this.cutThrough('xy'), y: () => this.cutThrough('xz'), x: () => this.cutThrough('yz'), v: () => this.open('3d'),
-      p: () => this.toggle('pixels'), m: () => this.toggle('marks'), f: () => this.toggle('clip-flip'), c: () => this.nextClip(),
-      t: () => this.toggleTheme(), '?': () => byId('keys').showModal(),
+      PageUp: step(1),
+      PageDown: step(-1),
+      'Shift+PageUp': step(10),
+      'Shift+PageDown': step(-10),
+      Home: () => this.go(0),
+      End: () => this.go(this.last),
+      ArrowLeft: arrow(-1, 0),
+      ArrowRight: arrow(1, 0),
+      ArrowUp: arrow(0, 1),
+      ArrowDown: arrow(0, -1),
+      'Shift+ArrowLeft': probe(-1, 0),
+      'Shift+ArrowRight': probe(1, 0),
+      'Shift+ArrowUp': probe(0, 1),
+      'Shift+ArrowDown': probe(0, -1),
+      '+': zoom(1.25),
+      '=': zoom(1.25),
+      '-': zoom(0.8),
+      0: () => (this.view === '3d' ? volume.home() : plane.fit()),
+      1: () => {
+        if (this.view !== '3d') plane.oneToOne();
+      },
+      z: () => this.cutThrough('xy'),
+      y: () => this.cutThrough('xz'),
+      x: () => this.cutThrough('yz'),
+      v: () => this.open('3d'),
+      p: () => this.toggle('pixels'),
+      m: () => this.toggle('marks'),
+      f: () => this.toggle('clip-flip'),
+      c: () => this.nextClip(),
+      t: () => this.toggleTheme(),
+      '?': () => byId('keys').showModal(),
     };
   }
 
@@ -284,7 +367,8 @@ class Page {
 
 window.addEventListener('unhandledrejection', ({ reason }) => {
   byId('busy').hidden = false;
-  byId('busy').textContent = `This page can't be read: ${reason?.message ?? reason}. Make it again, or try a newer browser.`;
+  byId('busy').textContent =
+    `This page can't be read: ${reason?.message ?? reason}. Make it again, or try a newer browser.`;
 });
 const start = performance.now();
 const page = new Page(readBuild(document));

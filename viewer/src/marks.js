@@ -12,9 +12,27 @@ function commonBox(a, b, slack) {
 const kThin = 1e-3;
 
 const kKinds = [
-  { list: 'overlaps', kind: 'overlap', word: 'overlap', slackOf: () => 0, sizeOf: (pair) => ({ volume: pair.volume, width: pair.largest_depth }) },
-  { list: 'gaps', kind: 'gap', word: 'filled gap', slackOf: (pair) => pair.largest_depth, sizeOf: (pair) => ({ volume: pair.volume, width: pair.largest_depth }) },
-  { list: 'open_gaps', kind: 'open', word: 'open gap', slackOf: (pair) => pair.largest_gap, sizeOf: (pair) => ({ volume: pair.volume, width: pair.largest_gap }) },
+  {
+    list: 'overlaps',
+    kind: 'overlap',
+    word: 'overlap',
+    slackOf: () => 0,
+    sizeOf: (pair) => ({ volume: pair.volume, width: pair.largest_depth }),
+  },
+  {
+    list: 'gaps',
+    kind: 'gap',
+    word: 'filled gap',
+    slackOf: (pair) => pair.largest_depth,
+    sizeOf: (pair) => ({ volume: pair.volume, width: pair.largest_depth }),
+  },
+  {
+    list: 'open_gaps',
+    kind: 'open',
+    word: 'open gap',
+    slackOf: (pair) => pair.largest_gap,
+    sizeOf: (pair) => ({ volume: pair.volume, width: pair.largest_gap }),
+  },
 ];
 
 /**
@@ -29,8 +47,16 @@ export function pairMarks(build) {
       const [a, b] = pair.solids.map((solid) => build.solids[solid]);
       const { volume, width } = sizeOf(pair);
       const isThin = width > 0 ? width < kThin * build.grid.pitch[0] : volume < kThin * voxel;
-      marks.push({ kind, word, names: [a?.name ?? '?', b?.name ?? '?'], volume, width, layers: pair.layers,
-        box: isThin ? null : commonBox(a, b, slackOf(pair)), isThin });
+      marks.push({
+        kind,
+        word,
+        names: [a?.name ?? '?', b?.name ?? '?'],
+        volume,
+        width,
+        layers: pair.layers,
+        box: isThin ? null : commonBox(a, b, slackOf(pair)),
+        isThin,
+      });
     }
   }
   return marks;

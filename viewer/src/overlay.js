@@ -3,8 +3,8 @@
 import { segmentAt, mm } from './planes.js';
 import { narrowGaps } from './marks.js';
 
-const kRuler = { left: 46, bottom: 22 };  // CSS pixels
-const kGridFrom = 10;  // canvas pixels a pixel of the lattice, from which its lines are drawn
+const kRuler = { left: 46, bottom: 22 }; // CSS pixels
+const kGridFrom = 10; // canvas pixels a pixel of the lattice, from which its lines are drawn
 
 /** A step of 1, 2 or 5 times a power of ten with room for a label each. */
 export function tickStep(range, most) {
@@ -16,8 +16,16 @@ export function tickStep(range, most) {
 function colors(root) {
   const style = getComputedStyle(root);
   const of = (name) => style.getPropertyValue(name).trim();
-  return { ink: of('--ink'), soft: of('--soft'), line: of('--line'), card: of('--card'), accent: of('--accent'),
-    overlap: of('--overlap'), gap: of('--gap'), open: of('--open') };
+  return {
+    ink: of('--ink'),
+    soft: of('--soft'),
+    line: of('--line'),
+    card: of('--card'),
+    accent: of('--accent'),
+    overlap: of('--overlap'),
+    gap: of('--gap'),
+    open: of('--open'),
+  };
 }
 
 /** Places of the canvas from units of the axes. */
@@ -125,7 +133,8 @@ function drawBox(context, { x, y, width, height }, mark, color, density) {
 function drawNarrowGaps(view, context, ink) {
   const { build, place } = view;
   const key = `${place}`;
-  if (view.gapsOf !== key || !view.gaps) [view.gapsOf, view.gaps] = [build.peek(place) ? key : null, narrowGaps(build, place)];
+  if (view.gapsOf !== key || !view.gaps)
+    [view.gapsOf, view.gaps] = [build.peek(place) ? key : null, narrowGaps(build, place)];
   context.strokeStyle = ink.open;
   context.lineWidth = 2 * view.density;
   context.beginPath();
@@ -167,11 +176,16 @@ function drawSegment(view, context, ink) {
   const { chunk } = found.data;
   const from = toX(view, chunk.begin[found.i] / build.one + 0.5);
   const to = toX(view, chunk.end[found.i] / build.one + 0.5);
-  const [low, high] = view.kind === 'xy' ? [voxel.row, voxel.row + 1]
-    : [build.layers.z_bottom[voxel.layer] - build.zLow, build.zEnd[voxel.layer] - build.zLow];
+  const [low, high] =
+    view.kind === 'xy'
+      ? [voxel.row, voxel.row + 1]
+      : [build.layers.z_bottom[voxel.layer] - build.zLow, build.zEnd[voxel.layer] - build.zLow];
   const top = toY(view, high);
   const height = Math.max(2 * view.density, toY(view, low) - top);
-  for (const [color, width] of [[ink.card, 4], [ink.ink, 1.5]]) {
+  for (const [color, width] of [
+    [ink.card, 4],
+    [ink.ink, 1.5],
+  ]) {
     context.strokeStyle = color;
     context.lineWidth = width * view.density;
     context.strokeRect(from, top, to - from, height);
@@ -197,7 +211,8 @@ function drawRulers(view, context, ink) {
 
 function drawTicks(view, context, axis, { from, to, isAcross, edge }) {
   const { density } = view;
-  const value = (at) => axis.origin + axis.unit * (isAcross ? view.window.left + at / view.window.across : view.window.top - at / view.up);
+  const value = (at) =>
+    axis.origin + axis.unit * (isAcross ? view.window.left + at / view.window.across : view.window.top - at / view.up);
   const [low, high] = [value(from), value(to)].sort((a, b) => a - b);
   const step = tickStep(high - low, Math.max(2, (to - from) / (isAcross ? 90 : 60) / density));
   context.textAlign = isAcross ? 'center' : 'right';

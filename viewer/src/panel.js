@@ -25,8 +25,21 @@ export class MaterialList {
     Object.assign(this, { root, build, palette, changed });
     this.boxes = [];
     this.areas = [];
-    const table = node('table', {}, node('thead', {}, node('tr', {}, node('th', { scope: 'col' }, 'shown'),
-      node('th', { scope: 'col', class: 'number' }, 'layer mm\u00B2'), node('th', { scope: 'col', class: 'number' }, 'build mm\u00B3'))));
+    const table = node(
+      'table',
+      {},
+      node(
+        'thead',
+        {},
+        node(
+          'tr',
+          {},
+          node('th', { scope: 'col' }, 'shown'),
+          node('th', { scope: 'col', class: 'number' }, 'layer mm\u00B2'),
+          node('th', { scope: 'col', class: 'number' }, 'build mm\u00B3'),
+        ),
+      ),
+    );
     const body = node('tbody');
     build.materials.forEach((material, m) => body.append(this.row(material, m)));
     table.append(body);
@@ -63,12 +76,16 @@ export class MaterialList {
   }
 
   setAll(of) {
-    this.boxes.forEach((box, m) => { box.checked = this.palette.shown[m] = of(m); });
+    this.boxes.forEach((box, m) => {
+      box.checked = this.palette.shown[m] = of(m);
+    });
     this.changed();
   }
 
   setLayer(k) {
-    this.areas.forEach((cell, m) => { cell.textContent = short(this.build.layers.area[m][k] ?? 0); });
+    this.areas.forEach((cell, m) => {
+      cell.textContent = short(this.build.layers.area[m][k] ?? 0);
+    });
   }
 }
 
@@ -79,7 +96,8 @@ export function describe(build, plane, place, probe, usePixels) {
   const point = pointOf(build, plane, voxel, probe, place);
   const rows = [['x, y, z', `${point.map(mm).join(', ')} mm`]];
   const found = segmentAt(build, voxel, usePixels);
-  const isInside = voxel.layer >= 0 && voxel.row >= 0 && voxel.row < build.ny && voxel.across >= 0 && voxel.across < build.nx;
+  const isInside =
+    voxel.layer >= 0 && voxel.row >= 0 && voxel.row < build.ny && voxel.across >= 0 && voxel.across < build.nx;
   if (!isInside) return { rows: [...rows, ['', 'outside the lattice']], say: 'outside the lattice' };
   const index = build.layers.index[voxel.layer];
   rows.push(['voxel', `${Math.floor(voxel.across)}, ${voxel.row}, layer ${index}`]);
@@ -89,9 +107,15 @@ export function describe(build, plane, place, probe, usePixels) {
 }
 
 function pointOf(build, plane, voxel, probe, place) {
-  const at = { [plane.across.name]: plane.across.origin + plane.across.unit * probe.h,
-    [plane.up.name]: plane.up.origin + plane.up.unit * probe.v };
-  at[plane.along] = { x: () => build.x(place * build.one), y: () => build.y(place), z: () => build.layers.z_sample[place] }[plane.along]();
+  const at = {
+    [plane.across.name]: plane.across.origin + plane.across.unit * probe.h,
+    [plane.up.name]: plane.up.origin + plane.up.unit * probe.v,
+  };
+  at[plane.along] = {
+    x: () => build.x(place * build.one),
+    y: () => build.y(place),
+    z: () => build.layers.z_sample[place],
+  }[plane.along]();
   return [at.x, at.y, at.z];
 }
 
@@ -103,33 +127,59 @@ function withSegment(build, { data, i, code }, rows) {
   rows.push(['material', material.name, material.color], ['solid', solid.name || solid.path]);
   rows.push(['segment', `x ${fine(from)} to ${fine(to)} mm, ${fine(to - from)} mm long`]);
   const mix = fractionsAt(build, chunk, i, code);
-  if (mix) rows.push(['mixture', mix.map(({ material: m, share }) => `${(100 * share).toFixed(1)} % ${build.materials[m].name}`).join(', ')]);
+  if (mix)
+    rows.push([
+      'mixture',
+      mix.map(({ material: m, share }) => `${(100 * share).toFixed(1)} % ${build.materials[m].name}`).join(', '),
+    ]);
   return { rows, say: `${material.name}, solid ${solid.name}, x from ${fine(from)} to ${fine(to)} mm` };
 }
 
 /** mm to a nanometre: codes are finer than a thousandth of a pixel. */
-const fine = (value) => value.toFixed(6).replace(/\.?0+$/, '').replace(/^-/, '\u2212');
+const fine = (value) =>
+  value
+    .toFixed(6)
+    .replace(/\.?0+$/, '')
+    .replace(/^-/, '\u2212');
 
 export function showPoint(root, told) {
   const rows = told?.rows ?? [['', 'Move the pointer over the picture, or hold Shift and press an arrow key.']];
-  root.replaceChildren(...rows.flatMap(([term, text, color]) => {
-    const value = node('dd', term ? {} : { class: 'hint' });
-    if (color) value.append(swatch(color));
-    value.append(text);
-    return [...(term ? [node('dt', {}, term)] : []), value];
-  }));
+  root.replaceChildren(
+    ...rows.flatMap(([term, text, color]) => {
+      const value = node('dd', term ? {} : { class: 'hint' });
+      if (color) value.append(swatch(color));
+      value.append(text);
+      return [...(term ? [node('dt', {}, term)] : []), value];
+    }),
+  );
 }
 
 /** Marks and findings with buttons that lead there. `lead` takes a mark or a finding. */
 export function fillReport(root, build, marks, findings, lead) {
   const { report } = build;
-  const items = [...marks.map((mark) => markItem(mark, lead)), ...findings.map((finding) => findingItem(finding, lead))];
-  const rays = [['repaired_rays', 'rows repaired'], ['unclosed_rays', 'rows not closed'], ['uncertain_hits', 'uncertain hits']]
-    .map(([key, words]) => `${report[key]} ${words}`).join(', ');
-  const verdict = report.within_budget ? 'The slicing kept its error budget.' : 'The slicing EXCEEDED its error budget.';
-  root.replaceChildren(node('p', { class: report.within_budget ? 'good' : 'bad' }, verdict), node('p', {}, `Of ${report.rays} rows: ${rays}.`));
-  if (report.interfaces.length) root.append(node('p', {}, `${report.interfaces.length} pairs of solids share a surface.`));
-  root.append(items.length ? node('ul', { class: 'items' }, ...items) : node('p', {}, 'No overlaps, gaps or findings.'));
+  const items = [
+    ...marks.map((mark) => markItem(mark, lead)),
+    ...findings.map((finding) => findingItem(finding, lead)),
+  ];
+  const rays = [
+    ['repaired_rays', 'rows repaired'],
+    ['unclosed_rays', 'rows not closed'],
+    ['uncertain_hits', 'uncertain hits'],
+  ]
+    .map(([key, words]) => `${report[key]} ${words}`)
+    .join(', ');
+  const verdict = report.within_budget
+    ? 'The slicing kept its error budget.'
+    : 'The slicing EXCEEDED its error budget.';
+  root.replaceChildren(
+    node('p', { class: report.within_budget ? 'good' : 'bad' }, verdict),
+    node('p', {}, `Of ${report.rays} rows: ${rays}.`),
+  );
+  if (report.interfaces.length)
+    root.append(node('p', {}, `${report.interfaces.length} pairs of solids share a surface.`));
+  root.append(
+    items.length ? node('ul', { class: 'items' }, ...items) : node('p', {}, 'No overlaps, gaps or findings.'),
+  );
 }
 
 function markItem(mark, lead) {
@@ -137,15 +187,27 @@ function markItem(mark, lead) {
   const text = `${mark.word} of ${mark.names[0]} and ${mark.names[1]}: ${short(mark.volume)} mm\u00B3${width}, in ${mark.layers} layers`;
   const item = node('li', { class: mark.kind }, text);
   if (mark.isThin) item.append(node('small', {}, ' (too thin to draw)'));
-  if (mark.box) item.append(' ', leadButton('Show', `Show the ${text}`, () => lead(mark)));
+  if (mark.box)
+    item.append(
+      ' ',
+      leadButton('Show', `Show the ${text}`, () => lead(mark)),
+    );
   return item;
 }
 
 function findingItem(finding, lead) {
   const where = [finding.solid, finding.face, finding.entity].filter(Boolean).join(', ');
-  const item = node('li', { class: `finding ${finding.severity}` }, `${finding.severity}: ${where ? `${where}: ` : ''}${finding.what}`);
+  const item = node(
+    'li',
+    { class: `finding ${finding.severity}` },
+    `${finding.severity}: ${where ? `${where}: ` : ''}${finding.what}`,
+  );
   if (finding.hint) item.append(node('small', {}, ` ${finding.hint}`));
-  if (finding.layer !== null) item.append(' ', leadButton(`Layer ${finding.layer}`, `Show layer ${finding.layer}`, () => lead(finding)));
+  if (finding.layer !== null)
+    item.append(
+      ' ',
+      leadButton(`Layer ${finding.layer}`, `Show layer ${finding.layer}`, () => lead(finding)),
+    );
   return item;
 }
 

@@ -52,7 +52,7 @@ function paintColumn(build, palette, data, column, window, out) {
   for (let a = 0; a < window.width; ++a) {
     const row = Math.floor(window.left + (a + 0.5) / window.across);
     if (row < 0 || row >= build.ny) continue;
-    if (row !== known) color = colorAt(build, palette, data, known = row, column * build.one);
+    if (row !== known) color = colorAt(build, palette, data, (known = row), column * build.one);
     out[a] = color;
   }
 }
@@ -77,16 +77,26 @@ const paints = {
     if (data) paintLines(window, out, rowOf, (row, line) => paintSegments(build, palette, data, row, window, line));
   },
   xz(build, palette, row, window, out) {
-    paintLines(window, out, (v) => build.layerAt(build.zLow + v), (k, line) => {
-      const data = build.peek(k);
-      if (data) paintSegments(build, palette, data, row, window, line);
-    });
+    paintLines(
+      window,
+      out,
+      (v) => build.layerAt(build.zLow + v),
+      (k, line) => {
+        const data = build.peek(k);
+        if (data) paintSegments(build, palette, data, row, window, line);
+      },
+    );
   },
   yz(build, palette, column, window, out) {
-    paintLines(window, out, (v) => build.layerAt(build.zLow + v), (k, line) => {
-      const data = build.peek(k);
-      if (data) paintColumn(build, palette, data, column, window, line);
-    });
+    paintLines(
+      window,
+      out,
+      (v) => build.layerAt(build.zLow + v),
+      (k, line) => {
+        const data = build.peek(k);
+        if (data) paintColumn(build, palette, data, column, window, line);
+      },
+    );
   },
 };
 
@@ -96,8 +106,13 @@ function isPlain(fine, at, stride, f) {
   if (fine[at + 1] !== color || fine[at + stride] !== color || fine[at + stride + 1] !== color) return false;
   if (f === 2) return true;
   const last = at + 2 * stride;
-  return fine[at + 2] === color && fine[at + stride + 2] === color && fine[last] === color && fine[last + 1] === color
-    && fine[last + 2] === color;
+  return (
+    fine[at + 2] === color &&
+    fine[at + stride + 2] === color &&
+    fine[last] === color &&
+    fine[last + 1] === color &&
+    fine[last + 2] === color
+  );
 }
 
 /** The mean of f x f pixels each, f = 2 or 3; what is empty counts as see-through. */
@@ -126,7 +141,13 @@ function mean(bytes, fine, corner, f, stride) {
       ++n;
     }
   }
-  return (Math.round(255 * n / (f * f)) << 24 | Math.round(b / n) << 16 | Math.round(g / n) << 8 | Math.round(r / n)) >>> 0;
+  return (
+    ((Math.round((255 * n) / (f * f)) << 24) |
+      (Math.round(b / n) << 16) |
+      (Math.round(g / n) << 8) |
+      Math.round(r / n)) >>>
+    0
+  );
 }
 
 const kMostFiner = 3;
@@ -135,7 +156,7 @@ let memory = new Uint32Array(0);
 /** Zeros, in memory that is used again from picture to picture. */
 function scratch(count) {
   if (memory.length === count) return memory.fill(0);
-  return memory = new Uint32Array(count);
+  return (memory = new Uint32Array(count));
 }
 
 /**
@@ -148,7 +169,13 @@ export function paint(kind, build, palette, place, window, out) {
     paints[kind](build, palette, place, window, out);
     return;
   }
-  const finer = { ...window, width: window.width * f, height: window.height * f, across: window.across * f, up: window.up * f };
+  const finer = {
+    ...window,
+    width: window.width * f,
+    height: window.height * f,
+    across: window.across * f,
+    up: window.up * f,
+  };
   const fine = scratch(finer.width * finer.height);
   paints[kind](build, palette, place, finer, fine);
   reduce(fine, f, window, out);

@@ -5,7 +5,7 @@ import { drawOverlay } from './overlay.js';
 
 const kLeastZoom = 1 / 64;
 const kMostZoom = 400;
-const kMargin = { left: 58, right: 16, top: 16, bottom: 34 };  // of a fitted picture, CSS pixels; the rulers lie there
+const kMargin = { left: 58, right: 16, top: 16, bottom: 34 }; // of a fitted picture, CSS pixels; the rulers lie there
 
 export class PlaneView {
   /** `events`: probe(place or null), turn(steps) */
@@ -15,7 +15,7 @@ export class PlaneView {
     this.overlay = root.querySelector('#overlay');
     this.windows = {};
     this.pixels = false;
-    this.stretch = 1;  // of z in cuts
+    this.stretch = 1; // of z in cuts
     this.marksShown = true;
     this.marks = [];
     this.probe = null;
@@ -26,16 +26,24 @@ export class PlaneView {
     this.listen();
   }
 
-  get plane() { return this.planes[this.kind]; }
-  get density() { return window.devicePixelRatio || 1; }
+  get plane() {
+    return this.planes[this.kind];
+  }
+  get density() {
+    return window.devicePixelRatio || 1;
+  }
   /** left and top in units of the axes, across: canvas pixels a unit across */
-  get window() { return this.windows[this.kind] ??= this.fitted(); }
+  get window() {
+    return (this.windows[this.kind] ??= this.fitted());
+  }
   /** Canvas pixels a unit upwards for one a unit across: the scale in mm is the same, but z may be stretched. */
   get ratio() {
     const { up, across } = this.plane;
-    return up.unit / across.unit * (up.name === 'z' ? this.stretch : 1);
+    return (up.unit / across.unit) * (up.name === 'z' ? this.stretch : 1);
   }
-  get up() { return this.window.across * this.ratio; }
+  get up() {
+    return this.window.across * this.ratio;
+  }
 
   show(kind, place) {
     if (kind !== this.kind) this.setProbe(null);
@@ -59,7 +67,10 @@ export class PlaneView {
     const { width, height } = this.picture;
     const [left, right, top, bottom] = ['left', 'right', 'top', 'bottom'].map((side) => kMargin[side] * this.density);
     const { ratio } = this;
-    const zoom = Math.max(1e-6, Math.min((width - left - right) / across.count, (height - top - bottom) / (up.count * ratio)));
+    const zoom = Math.max(
+      1e-6,
+      Math.min((width - left - right) / across.count, (height - top - bottom) / (up.count * ratio)),
+    );
     const scale = { across: zoom, up: zoom * ratio };
     return {
       across: zoom,
@@ -96,7 +107,9 @@ export class PlaneView {
   zoomBy(factor, at) {
     const { x, y } = at ?? { x: this.picture.width / 2, y: this.picture.height / 2 };
     const old = { ...this.window, up: this.up };
-    const window = this.windows[this.kind] = { across: Math.min(kMostZoom, Math.max(kLeastZoom, old.across * factor)) };
+    const window = (this.windows[this.kind] = {
+      across: Math.min(kMostZoom, Math.max(kLeastZoom, old.across * factor)),
+    });
     window.left = old.left + x / old.across - x / window.across;
     window.top = old.top - y / old.up + y / this.up;
     this.draw();
@@ -131,7 +144,9 @@ export class PlaneView {
     this.keepInSight();
   }
 
-  rowMiddle(v, steps) { return Math.min(this.build.ny, Math.max(1, Math.floor(v) + 1 + steps)) - 0.5; }
+  rowMiddle(v, steps) {
+    return Math.min(this.build.ny, Math.max(1, Math.floor(v) + 1 + steps)) - 0.5;
+  }
 
   layerMiddle(v, steps) {
     const at = this.build.layerAt(this.build.zLow + v);
@@ -149,7 +164,10 @@ export class PlaneView {
   }
 
   drawSoon() {
-    this.pending ??= requestAnimationFrame(() => { this.pending = null; this.drawOver(); });
+    this.pending ??= requestAnimationFrame(() => {
+      this.pending = null;
+      this.drawOver();
+    });
   }
 
   /** On the next frame, however often it is asked for. */
@@ -203,12 +221,18 @@ export class PlaneView {
     };
     root.addEventListener('pointerup', release);
     root.addEventListener('pointercancel', release);
-    root.addEventListener('pointerleave', () => { if (!this.drag) this.setProbe(null); });
-    root.addEventListener('wheel', (event) => {
-      event.preventDefault();
-      const delta = event.deltaY || event.deltaX;
-      if (event.shiftKey) this.events.turn(delta < 0 ? 1 : -1);
-      else this.zoomBy(Math.exp(-Math.max(-200, Math.min(200, delta)) / 400), canvasPlace(event));
-    }, { passive: false });
+    root.addEventListener('pointerleave', () => {
+      if (!this.drag) this.setProbe(null);
+    });
+    root.addEventListener(
+      'wheel',
+      (event) => {
+        event.preventDefault();
+        const delta = event.deltaY || event.deltaX;
+        if (event.shiftKey) this.events.turn(delta < 0 ? 1 : -1);
+        else this.zoomBy(Math.exp(-Math.max(-200, Math.min(200, delta)) / 400), canvasPlace(event));
+      },
+      { passive: false },
+    );
   }
 }

@@ -11,21 +11,38 @@ export function planesOf(build) {
   const { layers } = build;
   return {
     xy: {
-      across: x, up: y, along: 'z', places: build.count, word: 'Layer', layersNeeded: (k) => [k],
+      across: x,
+      up: y,
+      along: 'z',
+      places: build.count,
+      word: 'Layer',
+      layersNeeded: (k) => [k],
       numberOf: (k) => layers.index[k],
       placeOf: (index) => nearest(layers.index, index),
       label: (k) => `z = ${mm(layers.z_sample[k])} mm, ${mm(layers.z_bottom[k])} to ${mm(layers.z_top[k])} mm`,
       voxel: (place, h, v) => ({ layer: place, row: Math.floor(v), across: h }),
     },
     xz: {
-      across: x, up: z, along: 'y', places: size[1], word: 'Row', layersNeeded: () => layers.index.keys(),
-      numberOf: (row) => row, placeOf: (row) => row,
+      across: x,
+      up: z,
+      along: 'y',
+      places: size[1],
+      word: 'Row',
+      layersNeeded: () => layers.index.keys(),
+      numberOf: (row) => row,
+      placeOf: (row) => row,
       label: (row) => `y = ${mm(build.y(row))} mm`,
       voxel: (place, h, v) => ({ layer: build.layerAt(build.zLow + v), row: place, across: h }),
     },
     yz: {
-      across: y, up: z, along: 'x', places: size[0], word: 'Column', layersNeeded: () => layers.index.keys(),
-      numberOf: (column) => column, placeOf: (column) => column,
+      across: y,
+      up: z,
+      along: 'x',
+      places: size[0],
+      word: 'Column',
+      layersNeeded: () => layers.index.keys(),
+      numberOf: (column) => column,
+      placeOf: (column) => column,
       label: (column) => `x = ${mm(build.x(column * build.one))} mm`,
       voxel: (place, h, v) => ({ layer: build.layerAt(build.zLow + v), row: Math.floor(h), across: place + 0.5 }),
     },
@@ -34,7 +51,9 @@ export function planesOf(build) {
 
 function nearest(ascending, value) {
   let best = 0;
-  ascending.forEach((one, k) => { if (Math.abs(one - value) < Math.abs(ascending[best] - value)) best = k; });
+  ascending.forEach((one, k) => {
+    if (Math.abs(one - value) < Math.abs(ascending[best] - value)) best = k;
+  });
   return best;
 }
 

@@ -3,18 +3,24 @@
 import { gradedNumber } from './colors.js';
 
 const kMostAlong = 1024;
-const kMostVoxels = 2 ** 24;  // 64 MiB of texture
-const kBlock = 8;             // voxels along a block of the coarse texture that lets rays skip what is empty
+const kMostVoxels = 2 ** 24; // 64 MiB of texture
+const kBlock = 8; // voxels along a block of the coarse texture that lets rays skip what is empty
 
-/** How many voxels along each axis, and how many of the lattice's each stands for. */
+/**
+ * How many voxels along each axis, and how many of the lattice's each stands for. While there are too many, they grow
+ * along the axis where they are smallest in mm, of equals along the one with the most.
+ */
 export function shapeOf(build) {
   const lattice = [build.nx, build.ny, build.count];
-  let most = kMostAlong;
+  const pitch = [build.grid.pitch[0], build.grid.pitch[1], (build.zHigh - build.zLow) / build.count];
+  const step = [1, 1, 1];
   for (;;) {
-    const step = lattice.map((size) => Math.max(1, Math.ceil(size / most)));
     const size = lattice.map((count, axis) => Math.ceil(count / step[axis]));
-    if (size[0] * size[1] * size[2] <= kMostVoxels) return { size, step };
-    most = Math.floor(most * 0.9);
+    const isLong = size.some((count) => count > kMostAlong);
+    if (!isLong && size[0] * size[1] * size[2] <= kMostVoxels) return { size, step };
+    const axes = [0, 1, 2].filter((axis) => (isLong ? size[axis] > kMostAlong : size[axis] > 1));
+    axes.sort((m, n) => step[m] * pitch[m] - step[n] * pitch[n] || size[n] - size[m]);
+    ++step[axes[0]];
   }
 }
 
@@ -36,13 +42,13 @@ function fillRow(build, palette, { chunk, row0 }, row, { size, step }, out, at) 
     const material = chunk.material[i];
     const label = Math.min(material + 1, 255) << 24;
     if (!palette.components[material]) {
-      out.fill((palette.colors[material] & 0xFFFFFF | label) >>> 0, at + from, at + to);
+      out.fill(((palette.colors[material] & 0xffffff) | label) >>> 0, at + from, at + to);
       continue;
     }
     const g = gradedNumber(chunk.mixtures, i);
     for (let a = from; a < to; ++a) {
       const color = palette.blend(chunk.mixtures, g, material, (a * step[0] + middle) * build.one);
-      out[at + a] = (color & 0xFFFFFF | label) >>> 0;
+      out[at + a] = ((color & 0xffffff) | label) >>> 0;
     }
   }
 }

@@ -1,16 +1,39 @@
 // The 3D picture: the voxels in a box, a plane that cuts them, axes in mm.
 
 import {
-  BackSide, BoxGeometry, BufferAttribute, BufferGeometry, Color, Data3DTexture, DataTexture, GLSL3, LineBasicMaterial,
-  LineSegments, Matrix4, Mesh, NearestFilter, PerspectiveCamera, RedFormat, RGBAFormat, Scene, Sprite, SRGBColorSpace,
-  SpriteMaterial, CanvasTexture, UnsignedByteType, Vector3, Vector4, WebGLRenderer, ShaderMaterial,
+  BackSide,
+  BoxGeometry,
+  BufferAttribute,
+  BufferGeometry,
+  Color,
+  Data3DTexture,
+  DataTexture,
+  GLSL3,
+  LineBasicMaterial,
+  LineSegments,
+  Matrix4,
+  Mesh,
+  NearestFilter,
+  PerspectiveCamera,
+  RedFormat,
+  RGBAFormat,
+  Scene,
+  Sprite,
+  SRGBColorSpace,
+  SpriteMaterial,
+  CanvasTexture,
+  UnsignedByteType,
+  Vector3,
+  Vector4,
+  WebGLRenderer,
+  ShaderMaterial,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { makeVoxels } from './volume_data.js';
 import { fragmentShader, vertexShader } from './voxel_shader.js';
 import { mm } from './planes.js';
 
-const kFrame = 40;  // ms a frame may take while the view moves; above, fewer pixels are drawn
+const kFrame = 40; // ms a frame may take while the view moves; above, fewer pixels are drawn
 
 function texture3d(data, size, format) {
   const texture = new Data3DTexture(data, ...size);
@@ -56,7 +79,9 @@ export class VolumeView {
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
     this.controls.addEventListener('change', () => this.draw());
-    this.controls.addEventListener('start', () => { this.moving = true; });
+    this.controls.addEventListener('start', () => {
+      this.moving = true;
+    });
     this.controls.addEventListener('end', () => this.settle());
     this.scene.add(this.makeVoxelBox());
     this.refreshTheme();
@@ -77,7 +102,10 @@ export class VolumeView {
     const { data } = this;
     this.shownTexture = new DataTexture(new Uint8Array(256), 256, 1, RedFormat, UnsignedByteType);
     this.material = new ShaderMaterial({
-      glslVersion: GLSL3, vertexShader, fragmentShader, side: BackSide,
+      glslVersion: GLSL3,
+      vertexShader,
+      fragmentShader,
+      side: BackSide,
       uniforms: {
         voxels: { value: texture3d(new Uint8Array(data.voxels.buffer), data.size, RGBAFormat) },
         blocks: { value: texture3d(data.coarse, data.blocks, RedFormat) },
@@ -99,7 +127,10 @@ export class VolumeView {
   }
 
   makeLines() {
-    return new LineSegments(boxGeometry([0, 0, 0], this.dims), new LineBasicMaterial({ color: new Color(this.ink), transparent: true, opacity: 0.55 }));
+    return new LineSegments(
+      boxGeometry([0, 0, 0], this.dims),
+      new LineBasicMaterial({ color: new Color(this.ink), transparent: true, opacity: 0.55 }),
+    );
   }
 
   /** Beside the edges of the box that are nearest at first. */
@@ -107,13 +138,16 @@ export class VolumeView {
     const [x, y, z] = this.dims;
     const text = this.low.map((low, axis) => `${'xyz'[axis]}: ${mm(low)} to ${mm(low + this.dims[axis])} mm`);
     // The point of each label that lies at its place: 0 left and bottom, 1 right and top.
-    return [[text[0], [0.5, 1.3], x / 2, 0, 0], [text[1], [0.35, 1.6], x, y / 2, 0], [text[2], [0.5, -0.5], 0, 0, z]]
-      .map(([label, anchor, ...at]) => {
-        const sprite = makeLabel(label, this.ink);
-        sprite.center.set(...anchor);
-        sprite.position.set(...at);
-        return sprite;
-      });
+    return [
+      [text[0], [0.5, 1.3], x / 2, 0, 0],
+      [text[1], [0.35, 1.6], x, y / 2, 0],
+      [text[2], [0.5, -0.5], 0, 0, z],
+    ].map(([label, anchor, ...at]) => {
+      const sprite = makeLabel(label, this.ink);
+      sprite.center.set(...anchor);
+      sprite.position.set(...at);
+      return sprite;
+    });
   }
 
   setMarks(marks, inks) {
@@ -123,7 +157,10 @@ export class VolumeView {
     for (const { box, kind } of marks) {
       if (!box) continue;
       const corner = (value) => value.map((v, axis) => v - this.low[axis]);
-      const line = new LineSegments(boxGeometry(corner(box.low), corner(box.high)), new LineBasicMaterial({ color: new Color(inks[kind]) }));
+      const line = new LineSegments(
+        boxGeometry(corner(box.low), corner(box.high)),
+        new LineBasicMaterial({ color: new Color(inks[kind]) }),
+      );
       this.markLines.push(line);
       this.scene.add(line);
     }
@@ -133,7 +170,9 @@ export class VolumeView {
   refreshShown() {
     if (!this.shownTexture) return;
     const { data } = this.shownTexture.image;
-    this.palette.shown.forEach((shown, m) => { data[Math.min(m + 1, 255)] = shown ? 255 : 0; });
+    this.palette.shown.forEach((shown, m) => {
+      data[Math.min(m + 1, 255)] = shown ? 255 : 0;
+    });
     this.shownTexture.needsUpdate = true;
     this.draw();
   }
@@ -156,11 +195,14 @@ export class VolumeView {
   fittingDistance(centre, way) {
     const right = new Vector3().crossVectors(this.camera.up, way).normalize();
     const over = new Vector3().crossVectors(way, right);
-    const slope = Math.tan(this.camera.fov / 2 * Math.PI / 180) / 1.18;
+    const slope = Math.tan(((this.camera.fov / 2) * Math.PI) / 180) / 1.18;
     let distance = 0;
     for (let n = 0; n < 8; ++n) {
-      const corner = new Vector3(...this.dims.map((size, axis) => (n >> axis & 1 ? size : 0))).sub(centre);
-      const least = Math.max(Math.abs(corner.dot(right)) / (slope * this.camera.aspect), Math.abs(corner.dot(over)) / slope);
+      const corner = new Vector3(...this.dims.map((size, axis) => ((n >> axis) & 1 ? size : 0))).sub(centre);
+      const least = Math.max(
+        Math.abs(corner.dot(right)) / (slope * this.camera.aspect),
+        Math.abs(corner.dot(over)) / slope,
+      );
       distance = Math.max(distance, corner.dot(way) + least);
     }
     return distance;
@@ -170,11 +212,13 @@ export class VolumeView {
   turn(around, over, nearer = 1) {
     const { camera, controls } = this;
     const offset = camera.position.clone().sub(controls.target);
-    offset.applyAxisAngle(camera.up, around * Math.PI / 180);
+    offset.applyAxisAngle(camera.up, (around * Math.PI) / 180);
     const side = new Vector3().crossVectors(camera.up, offset).normalize();
-    const turned = offset.clone().applyAxisAngle(side, over * Math.PI / 180);
+    const turned = offset.clone().applyAxisAngle(side, (over * Math.PI) / 180);
     const lean = turned.angleTo(camera.up);
-    camera.position.copy(controls.target).add((lean > 0.05 && lean < Math.PI - 0.05 ? turned : offset).multiplyScalar(nearer));
+    camera.position
+      .copy(controls.target)
+      .add((lean > 0.05 && lean < Math.PI - 0.05 ? turned : offset).multiplyScalar(nearer));
     controls.update();
     this.draw();
   }
@@ -190,9 +234,13 @@ export class VolumeView {
   /** Unit normal in mm and the distance at which the plane lies; what is behind it is kept. */
   clipPlane() {
     const { axis, share, flip } = this.clip;
-    const normal = axis === 'view' ? (this.viewNormal ?? new Vector3(0, -1, 0)).clone()
-      : new Vector3(...['x', 'y', 'z'].map((name) => (name === axis ? 1 : 0)));
-    const reaches = [0, 1, 2, 3, 4, 5, 6, 7].map((corner) => normal.dot(new Vector3(...this.dims.map((size, n) => (corner >> n & 1) * size))));
+    const normal =
+      axis === 'view'
+        ? (this.viewNormal ?? new Vector3(0, -1, 0)).clone()
+        : new Vector3(...['x', 'y', 'z'].map((name) => (name === axis ? 1 : 0)));
+    const reaches = [0, 1, 2, 3, 4, 5, 6, 7].map((corner) =>
+      normal.dot(new Vector3(...this.dims.map((size, n) => ((corner >> n) & 1) * size))),
+    );
     const [low, high] = [Math.min(...reaches), Math.max(...reaches)];
     const distance = low + share * (high - low);
     // Cuts across y show themselves from the front, where the camera starts: what is further back is kept.
@@ -221,7 +269,10 @@ export class VolumeView {
 
   draw() {
     if (!this.renderer || this.root.hidden) return;
-    this.pending ??= requestAnimationFrame(() => { this.pending = null; this.render(); });
+    this.pending ??= requestAnimationFrame(() => {
+      this.pending = null;
+      this.render();
+    });
   }
 
   render() {
@@ -230,12 +281,22 @@ export class VolumeView {
     const toVoxels = (v) => new Vector3(...v.toArray().map((value, axis) => value / this.unit[axis]));
     uniforms.eye.value.copy(toVoxels(this.camera.position));
     const { normal, distance } = this.clipPlane();
-    uniforms.plane.value.set(...(this.clip.axis === 'none' ? [0, 0, 0, 1] : [...normal.toArray().map((n, axis) => n * this.unit[axis]), distance]));
+    uniforms.plane.value.set(
+      ...(this.clip.axis === 'none'
+        ? [0, 0, 0, 1]
+        : [...normal.toArray().map((n, axis) => n * this.unit[axis]), distance]),
+    );
     uniforms.planeNormal.value.copy(normal);
     const back = this.camera.position.clone().sub(this.controls.target).normalize();
-    uniforms.light.value.copy(back.addScaledVector(this.camera.up, 0.55).add(new Vector3(-0.25, 0, 0)).normalize());
+    uniforms.light.value.copy(
+      back
+        .addScaledVector(this.camera.up, 0.55)
+        .add(new Vector3(-0.25, 0, 0))
+        .normalize(),
+    );
     this.camera.updateMatrixWorld();
-    uniforms.toClip.value.multiplyMatrices(this.camera.projectionMatrix, this.camera.matrixWorldInverse)
+    uniforms.toClip.value
+      .multiplyMatrices(this.camera.projectionMatrix, this.camera.matrixWorldInverse)
       .multiply(new Matrix4().makeScale(...this.unit));
     this.renderer.render(this.scene, this.camera);
     // Reading a pixel waits until the frame is there, so that its time is known.
@@ -263,8 +324,21 @@ export class VolumeView {
 }
 
 function boxGeometry(low, high) {
-  const corner = (n) => [0, 1, 2].map((axis) => (n >> axis & 1 ? high[axis] : low[axis]));
-  const edges = [[0, 1], [2, 3], [4, 5], [6, 7], [0, 2], [1, 3], [4, 6], [5, 7], [0, 4], [1, 5], [2, 6], [3, 7]];
+  const corner = (n) => [0, 1, 2].map((axis) => ((n >> axis) & 1 ? high[axis] : low[axis]));
+  const edges = [
+    [0, 1],
+    [2, 3],
+    [4, 5],
+    [6, 7],
+    [0, 2],
+    [1, 3],
+    [4, 6],
+    [5, 7],
+    [0, 4],
+    [1, 5],
+    [2, 6],
+    [3, 7],
+  ];
   const geometry = new BufferGeometry();
   geometry.setAttribute('position', new BufferAttribute(new Float32Array(edges.flat().flatMap(corner)), 3));
   return geometry;
@@ -285,6 +359,6 @@ function makeLabel(text, ink) {
   map.colorSpace = SRGBColorSpace;
   const sprite = new Sprite(new SpriteMaterial({ map, transparent: true, sizeAttenuation: false, depthTest: false }));
   const height = 0.0165;
-  sprite.scale.set(height * canvas.width / canvas.height, height, 1);
+  sprite.scale.set((height * canvas.width) / canvas.height, height, 1);
   return sprite;
 }
