@@ -9,8 +9,8 @@
 namespace lamella {
 
 struct VdbOptions {
-  bool integer_ids = false;       ///< also an Int32 grid `material_id` (pyopenvdb can't read it)
-  bool signed_distance = false;   ///< also a level set `surface_<material>` each, which needs cubic voxels
+  bool integer_ids = false;         ///< also an Int32 grid `material_id` (pyopenvdb can't read it)
+  bool signed_distance = false;     ///< also a level set `surface_<material>` each, which needs cubic voxels
   std::optional<double> z_pitch{};  ///< mm, see UniformZ
 };
 
