@@ -71,6 +71,8 @@ export function readPictures(kind, ...args) {
   return { count, height, width, at };
 }
 
+const kPatience = 180000; // ms
+
 /** SwiftShader draws in software, the same on every machine. */
 async function startBrowser() {
   const args = [
@@ -92,6 +94,8 @@ export async function openPage(file, options = {}) {
     viewport: { width: 1280, height: 900 },
     ...options,
   });
+  // Pictures are drawn in software, maybe on a machine that has much else to do.
+  page.setDefaultTimeout(kPatience);
   const faults = [];
   page.on('pageerror', (error) => faults.push(error.message));
   page.on('console', (message) => {

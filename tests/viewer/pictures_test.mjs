@@ -9,6 +9,7 @@ import {
   onPage,
   place,
   prepare,
+  read,
   readCanvas,
   readPictures,
   screenPlace,
@@ -102,6 +103,35 @@ describe('layers', () => {
   });
 });
 
+describe('segments', () => {
+  test('are those of the build, ends to 1/65536 of a pixel', () =>
+    onPage('grip.html', async (page) => {
+      for (const layer of [2, 20, 35, 50, 69]) {
+        const told = await page.evaluate(async (k) => {
+          const { build } = window.lamella;
+          const { chunk, row0 } = await build.load(k);
+          return Array.from({ length: build.ny }, (_, row) => {
+            const [first, last] = [chunk.rowStart[row0 + row], chunk.rowStart[row0 + row + 1]];
+            return Array.from({ length: last - first }, (__, n) => {
+              const i = first + n;
+              return [build.x(chunk.begin[i]), build.x(chunk.end[i]), chunk.material[i], chunk.solid[i]];
+            });
+          });
+        }, layer);
+        const rows = read('segments', place('grip'), String(layer));
+        assert.equal(told.length, rows.length);
+        rows.forEach((row, j) => {
+          assert.equal(told[j].length, row.length, `layer ${layer}, row ${j}`);
+          row.forEach(([begin, end, material, solid], n) => {
+            const [toldBegin, toldEnd, ...ids] = told[j][n];
+            assert.ok(Math.abs(toldBegin - begin) < kPitch / 65536 && Math.abs(toldEnd - end) < kPitch / 65536);
+            assert.deepEqual(ids, [material, solid]);
+          });
+        });
+      }
+    }));
+});
+
 describe('cuts', () => {
   /** Compares the middle line of each layer of a cut at 1:1, z stretched so that layers have several lines. */
   async function compareCut(page, expected, pixelOf) {
@@ -158,7 +188,7 @@ describe('voxels', () => {
   test('the cutting plane shows the labels, in their colours', () =>
     onPage('grip.html', async (page) => {
       await page.keyboard.press('v');
-      await page.waitForFunction(() => window.lamella.volume.frameTimes.length > 0, null, { timeout: 60000 });
+      await page.waitForFunction(() => window.lamella.volume.frameTimes.length > 0, null);
       await page.getByLabel('Cut across').selectOption('z');
       // Where the middles of voxels of the cut lie on the screen; only those that no edge of the box crosses.
       const places = await page.evaluate(() => {
@@ -208,7 +238,7 @@ describe('voxels', () => {
   test('keys turn it and move the plane', () =>
     onPage('grip.html', async (page) => {
       await page.keyboard.press('v');
-      await page.waitForFunction(() => window.lamella.volume.frameTimes.length > 0, null, { timeout: 60000 });
+      await page.waitForFunction(() => window.lamella.volume.frameTimes.length > 0, null);
       const camera = () => page.evaluate(() => window.lamella.volume.camera.position.toArray());
       const old = await camera();
       await page.locator('#volume').focus();
