@@ -17,7 +17,7 @@ def check_segments(build, layer, found):
     across = (rows.first_row + row + 0.5) * rows.spacing if layer.hatch else \
         build.origin[1] + (row + 0.5) * build.pitch[1]
     is_segment = found.kind == 0
-    ends = np.array([line for line, kind in zip(found.lines, found.kind) if kind == 0]).reshape(-1, 2)
+    ends = np.array([line for line, kind in zip(found.lines, found.kind) if kind == 0], int).reshape(-1, 2)
     assert len(ends) == len(rows.x0), (len(ends), len(rows.x0))
     for end, x in ((0, rows.x0), (1, rows.x1)):
         points = found.points[ends[:, end]]
