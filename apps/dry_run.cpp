@@ -78,9 +78,11 @@ class Sampler {
     const ScratchFolder scratch;
     TeeSink tee;
     std::vector<fs::path> places;
+    FormatOptions format = request_.format;
+    format.is_sample = true;
     for (const Output& output : request_.outputs) {
       places.push_back(scratch.path() / (output.format + ".out"));
-      tee.add(make_sink({output.format, places.back()}, request_.format));
+      tee.add(make_sink({output.format, places.back()}, format));
     }
     TimedSink timed(tee);
     const Stopwatch watch;

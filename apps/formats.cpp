@@ -47,7 +47,7 @@ constexpr std::array kFormats{
         [](const Path& path, const FormatOptions& options) { return make_coverage_png_sink(path, options.grey_bits); }},
     Format{"polyjet", "opaque RGBA images, one colour per material, as PolyJet machines take them", true, true,
            [](const Path& path, const FormatOptions& options) {
-             return make_polyjet_sink(path, {.z_pitch = options.z_pitch});
+             return make_polyjet_sink(path, {.z_pitch = options.z_pitch, .fewest_slices = options.is_sample ? 1 : 30});
            }},
     Format{"tiff", "a TIFF of labels, a page per slice", false, true,
            [](const Path& path, const FormatOptions& options) {

@@ -21,6 +21,7 @@ struct FormatOptions {
   std::optional<std::string> machine;  ///< machine.xml, for G-code
   bool dither = false;                 ///< graded materials dithered where voxels have one material
   std::optional<double> z_pitch;       ///< mm, slices of formats with one thickness
+  bool is_sample = false;              ///< of a few layers, to estimate from
   bool raw = false;                    ///< volumes of labels not compressed
   int grey_bits = 8;                   ///< of png-grey and png-coverage
 };

@@ -19,7 +19,6 @@ namespace lamella {
 namespace {
 
 constexpr std::size_t kMaxMaterials = 6;
-constexpr std::int64_t kFewestSlices = 30;
 constexpr double kPitchTolerance = 1e-3;  // of the pitch: a pixel on a bed of 1000 columns
 constexpr std::uint32_t kBackground = 0x000000FF;
 
@@ -117,9 +116,10 @@ class PolyjetSink final : public LayerSink {
 
  private:
   void check_count(std::int64_t slices) const {
-    if (slices >= kFewestSlices) return;
-    throw UsageError(fmt::format("PolyJet machines take at least 30 slices, here are {}", slices), place_,
-                     "take more layers");
+    if (slices >= options_.fewest_slices) return;
+    throw UsageError(
+        fmt::format("PolyJet machines take at least {} slices, here are {}", options_.fewest_slices, slices), place_,
+        "take more layers");
   }
 
   void write_slice(std::int64_t slice, const std::string& bytes) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -10,6 +11,7 @@ namespace lamella {
 
 struct PolyjetOptions {
   std::optional<double> z_pitch{};  ///< mm, see UniformZ
+  std::int64_t fewest_slices = 30;  ///< that a build must have; less for a sample of one
 };
 
 /// A folder of PNGs for the voxel printing of PolyJet machines: RGBA, opaque, a colour per material on black, slices

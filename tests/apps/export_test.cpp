@@ -28,7 +28,7 @@ class Export : public ::testing::Test {
 };
 
 TEST_F(Export, GivesTheBytesThatSliceWrote) {
-  for (const std::string format : {"png", "png-indexed", "xml", "vdb"}) {
+  for (const std::string format : {"png", "png-indexed", "png-coverage", "xml", "vdb", "tiff", "sl1", "vti", "nrrd"}) {
     const auto out = folder() / ("again-" + format);
     const CommandResult result =
         run_lamella("export " + build() + " --to " + format + " -o " + quoted(out) + " --json");
@@ -47,6 +47,23 @@ TEST_F(Export, GivesTheBytesThatSliceWrote) {
       EXPECT_EQ(contents(path), contents(first)) << path;
     }
   }
+}
+
+TEST_F(Export, AMetaImageIsTwoFiles) {
+  const auto out = folder() / "labels.mhd";
+  const CommandResult result = run_lamella("export " + build() + " --to mhd -o " + quoted(out) + " --json");
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  const Json report = parse_output(result);
+  ASSERT_EQ(report["files"].size(), 2U);
+  EXPECT_EQ(report["files"][1]["path"], (folder() / "labels.zraw").string());
+}
+
+TEST_F(Export, PolyjetPicturesOfAnotherLatticeAreExitCodeOneAndWriteNothing) {
+  const auto out = folder() / "polyjet";
+  const CommandResult result = run_lamella("export " + build() + " --to polyjet -o " + quoted(out));
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.errors, HasSubstr("--dpi 600,300"));
+  EXPECT_FALSE(std::filesystem::exists(out));
 }
 
 TEST_F(Export, LayerRangesAreHalfOpen) {
