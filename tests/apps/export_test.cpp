@@ -1,3 +1,4 @@
+#include <array>
 #include <gmock/gmock.h>
 
 #include "tests/apps/command_json.h"
@@ -7,15 +8,17 @@ namespace {
 
 using ::testing::HasSubstr;
 
+/// Written by slice and again by export.
+constexpr std::array kFormats{"png", "png-indexed", "png-coverage", "xml", "vdb", "tiff", "sl1", "vti", "nrrd"};
+
 /// A build that all tests of this file read.
 class Export : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new TemporaryFolder;
-    const CommandResult result =
-        run_lamella("slice " + boxes() + " --pitch 1 --layer-height 2 -o " + quoted(*folder_ / "build") + " --png " +
-                    quoted(*folder_ / "png") + " --png-indexed " + quoted(*folder_ / "png-indexed") + " --xml " +
-                    quoted(*folder_ / "xml") + " --vdb " + quoted(*folder_ / "vdb"));
+    std::string command = "slice " + boxes() + " --pitch 1 --layer-height 2 -o " + quoted(*folder_ / "build");
+    for (const char* format : kFormats) command += " --" + std::string(format) + " " + quoted(*folder_ / format);
+    const CommandResult result = run_lamella(command);
     ASSERT_EQ(result.exit_code, 0) << result.errors;
   }
   static void TearDownTestSuite() { delete folder_; }
@@ -28,7 +31,7 @@ class Export : public ::testing::Test {
 };
 
 TEST_F(Export, GivesTheBytesThatSliceWrote) {
-  for (const std::string format : {"png", "png-indexed", "png-coverage", "xml", "vdb", "tiff", "sl1", "vti", "nrrd"}) {
+  for (const std::string format : kFormats) {
     const auto out = folder() / ("again-" + format);
     const CommandResult result =
         run_lamella("export " + build() + " --to " + format + " -o " + quoted(out) + " --json");

@@ -165,31 +165,47 @@ std::size_t count_matches(const std::string& text, const char* pattern) {
   return static_cast<std::size_t>(std::distance(std::sregex_iterator(text.begin(), text.end(), regex), {}));
 }
 
+/// Compares what a foreign reader says of the build's G-code with its plan. `reader` prints an object of layers with
+/// tracks, tool changes, length of tracks by tool in mm, and [x_min, x_max, y_min, y_max] of the tracks.
+class ReadGcode : public Plan {
+ protected:
+  void compare(const std::string& reader) {
+    const std::string options = gcode_options(folder(), build());
+    ASSERT_EQ(run_lamella("export " + build() + " --to gcode -o " + quoted(folder() / "c.gcode") + options).exit_code,
+              0);
+    const Json plan = parse_output(run_lamella("plan " + build() + " --machine " + machine("multi_nozzle") + " -o " +
+                                               quoted(folder() / "again.xml") + " --json --quiet"));
+    const std::size_t filled = count_matches(contents(folder() / "again.xml"), "<layer [^/>]*>");
+    const std::size_t tracks = count_matches(contents(folder() / "c.gcode"), "\nG1 X");
+    const Json read = parse_output(run_command(reader + " " + quoted(folder() / "c.gcode")));
+    EXPECT_EQ(read["changes"], plan["tool_changes"]);
+    EXPECT_EQ(read["layers"], filled);
+    EXPECT_GT(filled, 40U);
+    for (const Json& material : plan["materials"]) {
+      const double length = material["length"].get<double>();
+      const std::string tool = std::to_string(material["tool"].get<int>());
+      // Coordinates have four decimals: an end is off by 0.7e-4 at most.
+      EXPECT_NEAR(read["length"][tool].get<double>(), length, 1.5e-4 * static_cast<double>(tracks)) << material["name"];
+      EXPECT_NEAR(read["length"][tool].get<double>(), length, 1e-4 * length) << material["name"];
+    }
+    const double width = sliced()["grid"]["size"][0].get<double>() * 0.1;
+    EXPECT_NEAR(read["box"][1].get<double>() - read["box"][0].get<double>(), width, 0.4);
+  }
+};
+
 // printrun drives printers; its reader knows nothing of ours.
-TEST_F(Plan, PrintrunReadsThePlansToolsLayersAndLengths) {
+TEST_F(ReadGcode, ByPrintrunHasThePlansToolsLayersAndLengths) {
   ASSERT_EQ(run_command("/usr/bin/python3 -c 'import printrun.gcoder'").exit_code, 0)
       << "scripts/test installs printrun";
-  const std::string options = gcode_options(folder(), build());
-  ASSERT_EQ(run_lamella("export " + build() + " --to gcode -o " + quoted(folder() / "c.gcode") + options).exit_code, 0);
-  const Json plan = parse_output(run_lamella("plan " + build() + " --machine " + machine("multi_nozzle") + " -o " +
-                                             quoted(folder() / "again.xml") + " --json --quiet"));
-  const std::string text = contents(folder() / "again.xml");
-  const std::size_t filled = count_matches(text, "<layer [^/>]*>");
-  const std::size_t tracks = count_matches(contents(folder() / "c.gcode"), "\nG1 X");
-  const Json read = parse_output(run_command("/usr/bin/python3 " + quoted(source_dir() / "tests/apps/read_gcode.py") +
-                                             " " + quoted(folder() / "c.gcode")));
-  EXPECT_EQ(read["changes"], plan["tool_changes"]);
-  EXPECT_EQ(read["layers"], filled);
-  EXPECT_GT(filled, 40U);
-  for (const Json& material : plan["materials"]) {
-    const double length = material["length"].get<double>();
-    const std::string tool = std::to_string(material["tool"].get<int>());
-    // Coordinates have four decimals: an end is off by 0.7e-4 at most.
-    EXPECT_NEAR(read["length"][tool].get<double>(), length, 1.5e-4 * static_cast<double>(tracks)) << material["name"];
-    EXPECT_NEAR(read["length"][tool].get<double>(), length, 1e-4 * length) << material["name"];
+  compare("/usr/bin/python3 " + quoted(source_dir() / "tests/apps/read_gcode.py"));
+}
+
+// gcode-toolpath draws the ways of milling machines.
+TEST_F(ReadGcode, ByGcodeToolpathHasThePlansToolsLayersAndLengths) {
+  if (!std::filesystem::exists(source_dir() / "tests/export/node_modules/gcode-toolpath")) {
+    GTEST_SKIP() << "needs gcode-toolpath: npm ci in tests/export";
   }
-  const double width = sliced()["grid"]["size"][0].get<double>() * 0.1;
-  EXPECT_NEAR(read["box"][1].get<double>() - read["box"][0].get<double>(), width, 0.4);
+  compare("node " + quoted(source_dir() / "tests/export/read_toolpath.mjs"));
 }
 
 }  // namespace
