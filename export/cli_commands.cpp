@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
+#include "export/byte_order.h"
 #include "export/decimal.h"
-#include "export/little_endian.h"
 
 namespace lamella {
 

@@ -9,6 +9,7 @@
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/xml.h"
+#include "export/byte_order.h"
 #include "export/deflate_writer.h"
 #include "export/headed_file.h"
 
@@ -20,12 +21,6 @@ constexpr std::string_view kFirstLine = "ObjectType = Image";
 
 std::string vector_text(const Vec3& v) {
   return fmt::format("{} {} {}", format_double(v.x()), format_double(v.y()), format_double(v.z()));
-}
-
-std::string big_endian(std::uint32_t value) {
-  std::string out;
-  for (int shift = 24; shift >= 0; shift -= 8) out.push_back(static_cast<char>(value >> shift));
-  return out;
 }
 
 class MhdFile final : public VolumeFile {
@@ -55,7 +50,11 @@ class MhdFile final : public VolumeFile {
   }
 
   void finish(const Volume& volume) override {
-    if (!is_raw_) data_->append(deflate_rows({}, 1, 1) + big_endian(static_cast<std::uint32_t>(sum_)));
+    if (!is_raw_) {
+      std::string end = deflate_rows({}, 1, 1);
+      append_big_endian(end, static_cast<std::uint32_t>(sum_));
+      data_->append(end);
+    }
     data_->commit();
     write_file_atomically(path_, header_text(volume));
   }

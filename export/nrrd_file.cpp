@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/xml.h"
+#include "export/byte_order.h"
 #include "export/deflate_writer.h"
 #include "export/headed_file.h"
 
@@ -60,12 +61,6 @@ std::string header_text(const BuildInfo& info, const Volume& volume, bool is_raw
   return out;
 }
 
-std::string little_endian(std::uint64_t value) {
-  std::string out;
-  for (int shift = 0; shift < 32; shift += 8) out.push_back(static_cast<char>(value >> shift));
-  return out;
-}
-
 class NrrdFile final : public VolumeFile {
  public:
   NrrdFile(std::filesystem::path path, bool is_raw) : path_(std::move(path)), is_raw_(is_raw) {}
@@ -90,9 +85,10 @@ class NrrdFile final : public VolumeFile {
 
   void finish(const Volume& volume) override {
     if (!is_raw_) {
-      file_->append(deflate_rows({}, 1, 1));
-      const std::uint64_t bytes = volume.slice_bytes() * static_cast<std::uint64_t>(volume.size[2]);
-      file_->append(little_endian(crc_) + little_endian(bytes));
+      std::string end = deflate_rows({}, 1, 1);
+      append_little_endian(end, static_cast<std::uint32_t>(crc_));
+      append_little_endian(end, volume.slice_bytes() * static_cast<std::uint64_t>(volume.size[2]), 4);  // modulo 2^32
+      file_->append(end);
     }
     std::string header = header_text(info_, volume, is_raw_);
     // The rest of the room is a comment; an empty line ends the header.

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "core/error.h"
+#include "export/byte_order.h"
 #include "export/deflate_writer.h"
 
 namespace lamella {
@@ -16,22 +17,18 @@ namespace {
 
 constexpr std::uint64_t kMaxImageBytes = std::numeric_limits<std::int32_t>::max();
 
-void put_u32(std::string& out, std::uint32_t value) {
-  for (int shift = 24; shift >= 0; shift -= 8) out.push_back(static_cast<char>(value >> shift));
-}
-
 void put_chunk(std::string& out, std::string_view type, std::string_view data) {
-  put_u32(out, static_cast<std::uint32_t>(data.size()));
+  append_big_endian(out, static_cast<std::uint32_t>(data.size()));
   const std::size_t begin = out.size();
   out += type;
   out += data;
-  put_u32(out, libdeflate_crc32(0, out.data() + begin, out.size() - begin));
+  append_big_endian(out, libdeflate_crc32(0, out.data() + begin, out.size() - begin));
 }
 
 std::string header(const PackedImage& image, bool indexed) {
   std::string data;
-  put_u32(data, static_cast<std::uint32_t>(image.width()));
-  put_u32(data, static_cast<std::uint32_t>(image.height()));
+  append_big_endian(data, static_cast<std::uint32_t>(image.width()));
+  append_big_endian(data, static_cast<std::uint32_t>(image.height()));
   const bool is_color = image.bits() == 32;
   data.push_back(static_cast<char>(is_color ? 8 : image.bits()));
   data.push_back(indexed ? 3 : is_color ? 6 : 0);  // colour type: palette, colour with alpha, or grey
@@ -41,8 +38,8 @@ std::string header(const PackedImage& image, bool indexed) {
 
 std::string physical_size(const PngStyle& style) {
   std::string data;
-  put_u32(data, style.pixels_per_metre[0]);
-  put_u32(data, style.pixels_per_metre[1]);
+  append_big_endian(data, style.pixels_per_metre[0]);
+  append_big_endian(data, style.pixels_per_metre[1]);
   data.push_back(1);  // the unit is the metre
   return data;
 }

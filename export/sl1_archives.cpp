@@ -11,10 +11,11 @@
 #include "core/xml.h"
 #include "export/build_check.h"
 #include "export/file_name.h"
+#include "export/package_file.h"
 #include "export/png_image.h"
 #include "export/raster_row.h"
+#include "export/scratch_file.h"
 #include "export/uniform_z.h"
-#include "export/zip_writer.h"
 
 namespace lamella {
 
@@ -52,6 +53,32 @@ std::string display_text(const Grid& grid, double height) {
                            format_double(height));
 }
 
+/// Beyond these printers don't read an archive; the texts, the table of contents and what is around entries are small
+/// next to the second.
+constexpr std::size_t kMostPictures = 65'000;
+constexpr std::uint64_t kMostBytes = 0xF0000000;
+
+/// The pictures of one material, written until the archive is made of them.
+struct Pictures {
+  explicit Pictures(const std::filesystem::path& archive) : target(archive), file(archive) {}
+
+  std::filesystem::path target;
+  ScratchFile file;
+  std::vector<FilePart> parts;
+  std::int64_t pixels = 0;  ///< white ones
+
+  void add(const std::string& name, const std::string& png) {
+    const std::uint64_t begin = parts.empty() ? 0 : parts.back().begin + parts.back().bytes;
+    if (parts.size() == kMostPictures || begin + png.size() > kMostBytes) {
+      throw UsageError("the archive would have more than 65000 pictures or 3.7 GiB", target.string(),
+                       "export a range of --layers");
+    }
+    file.stream() << png;
+    file.check();
+    parts.push_back({name, begin, png.size()});
+  }
+};
+
 /// The picture of one material in one layer.
 struct Mask {
   std::string png;
@@ -72,8 +99,7 @@ class Sl1Sink final : public LayerSink {
     for (const Material& material : info.materials) names.push_back(material.name);
     jobs_ = safe_file_names(names);
     make_folder(folder_);
-    for (const std::string& job : jobs_) archives_.emplace_back(folder_ / (job + ".sl1"));
-    pixels_.assign(jobs_.size(), 0);
+    for (const std::string& job : jobs_) pictures_.emplace_back(folder_ / (job + ".sl1"));
   }
 
   void write(const Layer& layer) override { prepare(layer)(); }
@@ -90,13 +116,18 @@ class Sl1Sink final : public LayerSink {
   void finish(const SliceReport&) override {
     const Vec3& pitch = info_.plan.grid.pitch;
     const double pixel_ml = pitch.x() * pitch.y() * uniform_->pitch() / 1000.0;
-    for (std::size_t m = 0; m < archives_.size(); ++m) {
+    for (std::size_t m = 0; m < pictures_.size(); ++m) {
+      Pictures& pictures = pictures_[m];
+      const double used = static_cast<double>(pictures.pixels) * pixel_ml;
       const Material& material = info_.materials[MaterialId{m}];
-      const double used = static_cast<double>(pixels_[m]) * pixel_ml;
-      archives_[m].add("config.ini", config_text(material, jobs_[m], uniform_->pitch(), written_, used));
-      archives_[m].add("prusaslicer.ini", display_text(info_.plan.grid, uniform_->pitch()));
+      PackageParts parts;
+      parts.texts = {{"config.ini", config_text(material, jobs_[m], uniform_->pitch(), written_, used)},
+                     {"prusaslicer.ini", display_text(info_.plan.grid, uniform_->pitch())}};
+      pictures.file.close();
+      parts.images = pictures.file.path();
+      parts.image_parts = std::move(pictures.parts);
+      write_package(pictures.target, parts);
     }
-    for (ZipWriter& archive : archives_) archive.commit();
   }
 
  private:
@@ -128,8 +159,8 @@ class Sl1Sink final : public LayerSink {
 
   void add(const std::vector<Mask>& masks) {
     for (std::size_t m = 0; m < masks.size(); ++m) {
-      archives_[m].add(fmt::format("{}{:05}.png", jobs_[m], written_), masks[m].png);
-      pixels_[m] += masks[m].pixels;
+      pictures_[m].add(fmt::format("{}{:05}.png", jobs_[m], written_), masks[m].png);
+      pictures_[m].pixels += masks[m].pixels;
     }
     ++written_;
   }
@@ -141,8 +172,7 @@ class Sl1Sink final : public LayerSink {
   PngStyle style_;
   std::string blank_;  // most layers lack some material
   std::vector<std::string> jobs_;
-  std::deque<ZipWriter> archives_;    ///< by material; they don't move
-  std::vector<std::int64_t> pixels_;  ///< white ones, by material
+  std::deque<Pictures> pictures_;  ///< by material; they don't move
   std::int64_t written_ = 0;
 };
 

@@ -11,8 +11,8 @@
 
 #include "core/error.h"
 #include "export/build_check.h"
+#include "export/byte_order.h"
 #include "export/file_name.h"
-#include "export/little_endian.h"
 #include "export/material_contours.h"
 #include "export/output_file.h"
 

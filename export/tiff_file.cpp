@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/xml.h"
+#include "export/byte_order.h"
 #include "export/deflate_writer.h"
 #include "export/headed_file.h"
 
@@ -37,10 +38,6 @@ enum Tag : std::uint16_t {
 /// Types of values with their sizes in bytes.
 enum class Type : std::uint16_t { ascii = 2, short_ = 3, long_ = 4, rational = 5, long8 = 16 };
 
-void append(std::string& out, std::uint64_t value, int bytes) {
-  for (int i = 0; i < bytes; ++i) out.push_back(static_cast<char>(value >> (8 * i)));
-}
-
 /// A directory of one page: entries in ascending order of tags, and values that don't fit into their entry behind them.
 class Directory {
  public:
@@ -51,18 +48,18 @@ class Directory {
   void add(Tag tag, Type type, std::uint64_t value) {
     const int bytes = type == Type::short_ ? 2 : type == Type::long_ ? 4 : 8;
     begin_entry(tag, type, 1);
-    append(table_, value, bytes);
-    append(table_, 0, word() - bytes);
+    append_little_endian(table_, value, bytes);
+    append_little_endian(table_, 0, word() - bytes);
   }
   /// Values that are longer than a word.
   void add(Tag tag, Type type, std::uint64_t count, const std::string& bytes) {
     begin_entry(tag, type, count);
     if (bytes.size() <= static_cast<std::size_t>(word())) {
       table_ += bytes;
-      append(table_, 0, word() - static_cast<int>(bytes.size()));
+      append_little_endian(table_, 0, word() - static_cast<int>(bytes.size()));
       return;
     }
-    append(table_, place_ + size() + values_.size(), word());
+    append_little_endian(table_, place_ + size() + values_.size(), word());
     values_ += bytes;
     if (values_.size() % 2 != 0) values_.push_back('\0');  // values begin on even bytes
   }
@@ -70,9 +67,9 @@ class Directory {
   /// `is_last`: else the next directory follows at once.
   [[nodiscard]] std::string bytes(bool is_last) const {
     std::string out;
-    append(out, entries_, is_big_ ? 8 : 2);
+    append_little_endian(out, entries_, is_big_ ? 8 : 2);
     out += table_;
-    append(out, is_last ? 0 : place_ + size() + values_.size(), word());
+    append_little_endian(out, is_last ? 0 : place_ + size() + values_.size(), word());
     return out + values_;
   }
 
@@ -80,9 +77,9 @@ class Directory {
   [[nodiscard]] int word() const { return is_big_ ? 8 : 4; }
   [[nodiscard]] std::uint64_t size() const { return is_big_ ? 16 + 20 * entries_ : 6 + 12 * entries_; }
   void begin_entry(Tag tag, Type type, std::uint64_t count) {
-    append(table_, tag, 2);
-    append(table_, static_cast<std::uint64_t>(type), 2);
-    append(table_, count, word());
+    append_little_endian(table_, tag, 2);
+    append_little_endian(table_, static_cast<std::uint64_t>(type), 2);
+    append_little_endian(table_, count, word());
   }
 
   bool is_big_;
@@ -98,8 +95,8 @@ std::string resolution(double pitch) {
   const double value = 1.0 / pitch;
   const double below = std::clamp(std::floor(kMost / value), 1.0, 1e9);
   std::string out;
-  append(out, static_cast<std::uint64_t>(std::clamp(std::round(value * below), 1.0, kMost)), 4);
-  append(out, static_cast<std::uint64_t>(below), 4);
+  append_little_endian(out, static_cast<std::uint64_t>(std::clamp(std::round(value * below), 1.0, kMost)), 4);
+  append_little_endian(out, static_cast<std::uint64_t>(below), 4);
   return out;
 }
 
@@ -134,9 +131,9 @@ class TiffFile final : public VolumeFile {
       file_->append(directory(volume, page, at, is_big, page == 0 ? text : ""));
     }
     std::string header = "II";
-    append(header, is_big ? 43 : 42, 2);
-    if (is_big) append(header, 8, 4);  // bytes of an offset
-    append(header, place, is_big ? 8 : 4);
+    append_little_endian(header, is_big ? 43 : 42, 2);
+    if (is_big) append_little_endian(header, 8, 4);  // bytes of an offset
+    append_little_endian(header, place, is_big ? 8 : 4);
     file_->write_header(0, header);
     file_->commit();
   }

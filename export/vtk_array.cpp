@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 #include "export/base64.h"
-#include "export/little_endian.h"
+#include "export/byte_order.h"
 
 namespace lamella {
 
