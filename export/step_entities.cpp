@@ -46,7 +46,7 @@ std::string step_real(double value) {
   return text;
 }
 
-std::string step_reference(StepId id) { return "#" + std::to_string(id); }
+std::string step_reference(StepId id) { return fmt::format("#{}", id); }
 
 std::string step_list(std::span<const StepId> ids) {
   std::string out = "(";

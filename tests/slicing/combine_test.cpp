@@ -6,42 +6,17 @@
 #include <map>
 #include <random>
 
+#include "tests/slicing/combine_row.h"
+
 namespace lamella {
 namespace {
 
+using test::faces_of_tolerance;
+using test::Row;
+using test::segment;
+
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-/// A case: solids with material and priority; rank is by priority, then by `order`, larger wins.
-struct Row {
-  MaterialTable table;
-  CombineRules rules;
-  std::vector<Span> spans;
-
-  SolidId add_solid(std::size_t material, int priority, int order) {
-    while (table.materials.size() <= material) table.materials.push_back({});
-    const SolidId solid = table.assignments.push_back({MaterialId{material}, priority, ""});
-    rules.rank.push_back(priority * 1000 + order);
-    return solid;
-  }
-  void add_span(SolidId solid, double begin, double end) { spans.push_back({begin, end, solid, FaceId{}, FaceId{}}); }
-
-  CombinedRow combine() {
-    rules.table = &table;
-    return combine_row(spans, rules);
-  }
-};
-
-/// One face that states this tolerance.
-IdVector<FaceId, Face> faces_of_tolerance(double tolerance) {
-  IdVector<FaceId, Face> faces(1);
-  faces[FaceId{0}].tolerance = tolerance;
-  return faces;
-}
-
-Segment segment(double begin, double end, std::size_t material, SolidId solid) {
-  return {begin, end, MaterialId{material}, solid};
-}
 
 TEST(CombineRow, LabelsDisjointSpans) {
   Row row;
@@ -159,52 +134,6 @@ TEST(CombineRow, WidensTheGapToleranceAtFacesThatStateALargerOne) {
   row.spans.push_back({2.25, 3, a, FaceId{}, FaceId{}});
   EXPECT_EQ(row.combine().segments,
             (std::vector{segment(0, 1.25, 0, a), segment(1.25, 2, 1, b), segment(2.25, 3, 0, a)}));
-}
-
-TEST(CombineRow, GivesASliverToTheNeighbourOfHigherRank) {
-  Row row;
-  const SolidId a = row.add_solid(0, 1, 0);
-  const SolidId b = row.add_solid(1, 2, 0);
-  const SolidId below = row.add_solid(2, 0, 0);
-  row.add_span(below, 0, 10);
-  row.add_span(a, 2, 5);
-  row.add_span(b, 5 + 1e-9, 10 - 1e-9);
-  EXPECT_EQ(row.combine().segments, (std::vector{segment(0, 2, 2, below), segment(2, 5, 0, a), segment(5, 10, 1, b)}));
-}
-
-TEST(CombineRow, MakesOneOfTheRunsOnBothSidesOfASliver) {
-  Row row;
-  const SolidId a = row.add_solid(0, 1, 0);
-  const SolidId below = row.add_solid(1, 0, 0);
-  row.add_span(below, 0, 10);
-  row.add_span(a, 2, 5);
-  row.add_span(a, 5 + 1e-9, 7);
-  EXPECT_EQ(row.combine().segments,
-            (std::vector{segment(0, 2, 1, below), segment(2, 7, 0, a), segment(7, 10, 1, below)}));
-}
-
-TEST(CombineRow, KnowsSliversByTheTolerancesOfTheFacesAroundThem) {
-  Row row;
-  row.rules.widen_at(faces_of_tolerance(0.5));
-  const SolidId a = row.add_solid(0, 1, 0);
-  const SolidId below = row.add_solid(1, 0, 0);
-  row.add_span(below, 0, 10);
-  row.spans.push_back({2, 5, a, FaceId{}, FaceId{0}});
-  row.spans.push_back({5.25, 7, a, FaceId{}, FaceId{}});
-  row.spans.push_back({7.25, 8, a, FaceId{}, FaceId{}});
-  EXPECT_EQ(row.combine().segments,
-            (std::vector{segment(0, 2, 1, below), segment(2, 7, 0, a), segment(7, 7.25, 1, below),
-                         segment(7.25, 8, 0, a), segment(8, 10, 1, below)}));
-}
-
-TEST(CombineRow, KeepsABodyThatIsThinnerThanTheTolerance) {
-  Row row;
-  row.rules.gap_tolerance = 0.5;
-  const SolidId a = row.add_solid(0, 0, 0);
-  const SolidId coat = row.add_solid(1, 0, 1);
-  row.add_span(a, 0, 5);
-  row.add_span(coat, 5, 5.25);
-  EXPECT_EQ(row.combine().segments, (std::vector{segment(0, 5, 0, a), segment(5, 5.25, 1, coat)}));
 }
 
 TEST(CombineRow, TakesAnOverlapWithinTheGapToleranceForTouching) {
