@@ -24,11 +24,16 @@ void add_pair(std::vector<PairLength>& pairs, SolidId a, SolidId b, double lengt
 class Labeller {
  public:
   Labeller(const CombineRules& rules, std::vector<Segment>& segments, std::vector<PairLength>& gaps)
-      : rules_(rules), segments_(segments), gaps_(gaps), row_begin_(segments.size()) {}
+      : rules_(rules),
+        segments_(segments),
+        gaps_(gaps),
+        row_begin_(segments.size()),
+        short_(rules.widest_tolerance()) {}
 
   /// Adds a run, merging it with a neighbour of equal material and solid.
   void add_run(double begin, double end, SolidId solid) {
     const MaterialId material = rules_.table->assignments[solid].material;
+    has_short_run_ = has_short_run_ || end - begin <= short_;
     if (segments_.size() > row_begin_) {
       Segment& last = segments_.back();
       if (last.x_end == begin && last.material == material && last.solid == solid) {
@@ -50,10 +55,14 @@ class Labeller {
     add_pair(gaps_, left.solid, right.solid, length);
   }
 
+  /// Whether a run was added that may be a sliver.
+  [[nodiscard]] bool has_short_run() const { return has_short_run_; }
+
   /// Forgets the row.
   void start_again() {
     segments_.resize(row_begin_);
     gaps_.clear();
+    has_short_run_ = false;
   }
 
  private:
@@ -61,6 +70,8 @@ class Labeller {
   std::vector<Segment>& segments_;
   std::vector<PairLength>& gaps_;
   std::size_t row_begin_;
+  double short_;  ///< mm
+  bool has_short_run_ = false;
 };
 
 /// Labels spans that ascend and share no point: nearly all rows of most assemblies. Returns false, with nothing
@@ -232,25 +243,20 @@ std::span<const Span> RowCombiner::clip(std::span<const Span> spans, const Combi
   return sort_usable(clipped_, rules);
 }
 
-/// Appends the labelled runs of a row. Returns the spans that they are made of, clipped.
-std::span<const Span> RowCombiner::label(std::span<const Span> spans, const CombineRules& rules,
-                                         std::vector<Segment>& segments) {
-  Labeller labeller(rules, segments, gaps_);
-  if (label_disjoint(spans, labeller)) return spans;
-  const std::span<const Span> usable = sort_usable(spans, rules);
-  measure_overlaps(usable, rules);
-  if (steps_.size() < spans.size()) steps_.resize(spans.size());
-  const std::span<const Span> clipped = clip(usable, rules);
-  Staircase(rules, steps_.data(), labeller).label(clipped);
-  return clipped;
-}
-
 void RowCombiner::combine(std::span<const Span> spans, const CombineRules& rules, std::vector<Segment>& segments) {
   overlaps_.clear();
   gaps_.clear();
   const std::size_t row_begin = segments.size();
-  const std::span<const Span> labelled = label(spans, rules, segments);
-  join_slivers(labelled, rules, row_begin, segments);
+  Labeller labeller(rules, segments, gaps_);
+  std::span<const Span> labelled = spans;
+  if (!label_disjoint(spans, labeller)) {
+    const std::span<const Span> usable = sort_usable(spans, rules);
+    measure_overlaps(usable, rules);
+    if (steps_.size() < spans.size()) steps_.resize(spans.size());
+    labelled = clip(usable, rules);
+    Staircase(rules, steps_.data(), labeller).label(labelled);
+  }
+  if (labeller.has_short_run()) join_slivers(labelled, rules, row_begin, segments);
 }
 
 void CombineRules::widen_at(const IdVector<FaceId, Face>& faces) {

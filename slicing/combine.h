@@ -77,7 +77,6 @@ class RowCombiner {
     MaterialId material;
   };
 
-  std::span<const Span> label(std::span<const Span> spans, const CombineRules& rules, std::vector<Segment>& segments);
   std::span<const Span> sort_usable(std::span<const Span> spans, const CombineRules& rules);
   void measure_overlaps(std::span<const Span> spans, const CombineRules& rules);
   std::span<const Span> clip(std::span<const Span> spans, const CombineRules& rules);

@@ -50,8 +50,6 @@ void keep(const Segment& segment, std::size_t row_begin, std::size_t& kept, std:
 
 void join_slivers(std::span<const Span> spans, const CombineRules& rules, std::size_t row_begin,
                   std::vector<Segment>& segments) {
-  const auto is_short = [&](const Segment& one) { return one.x_end - one.x_begin <= rules.widest_tolerance(); };
-  if (std::none_of(segments.begin() + static_cast<std::ptrdiff_t>(row_begin), segments.end(), is_short)) return;
   std::size_t kept = row_begin;
   for (std::size_t i = row_begin; i < segments.size(); ++i) {
     Segment segment = segments[i];
