@@ -128,6 +128,7 @@ class Sl1Sink final : public LayerSink {
       parts.image_parts = std::move(pictures.parts);
       write_package(pictures.target, parts);
     }
+    pictures_.clear();  // the folder holds archives only, once they are whole
   }
 
  private:
