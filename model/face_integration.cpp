@@ -15,8 +15,12 @@ namespace {
 constexpr int kMaxLevel = 8;
 /// Surface evaluations one level of one face may take: about a second.
 constexpr double kMaxCost = 2e7;
+/// Where no more than this relative error is asked for, the first level is level 0.
+constexpr double kCoarse = 1e-5;
 /// Of the surface area: the |n| integrals only bound a quadrature error.
 constexpr double kAbsNormalError = 3e-3;
+/// Of the surface area, too: no result hangs on it, and what is reached is far better (docs/methods/measure.md).
+constexpr double kAreaError = 1e-6;
 /// Sums of products of lengths of this size carry rounding of a few ulp, which no refinement removes.
 constexpr double kRounding = 1e-14;
 
@@ -41,8 +45,8 @@ Errors difference(const FaceIntegrals& a, const FaceIntegrals& b) {
 /// One face and what its integrals change by when either of the two levels is one lower.
 class FaceEstimate {
  public:
-  FaceEstimate(const Scene& scene, FaceId face, const Vec3& reference)
-      : face_(face), quadrature_(scene, face), reference_(reference) {
+  FaceEstimate(const Scene& scene, FaceId face, const Vec3& reference, QuadratureLevel level)
+      : face_(face), quadrature_(scene, face), reference_(reference), level_(level) {
     update();
   }
 
@@ -114,7 +118,7 @@ class Integration {
  private:
   void add(const Scene& scene, FaceId face, const Vec3& reference) {
     try {
-      FaceEstimate estimate(scene, face, reference);
+      FaceEstimate estimate(scene, face, reference, first_level());
       if (estimate.value().is_finite()) {
         estimates_.push_back(std::move(estimate));
         return;
@@ -123,6 +127,10 @@ class Integration {
       // Named by the caller: one bad face must not keep the other solids from being measured.
     }
     unmeasured_.push_back(face);
+  }
+
+  [[nodiscard]] QuadratureLevel first_level() const {
+    return relative_error_ < kCoarse ? QuadratureLevel{1, 1} : QuadratureLevel{0, 0};
   }
 
   static double size_of(const Scene& scene, std::span<const FaceId> faces);
@@ -147,7 +155,7 @@ class Integration {
   [[nodiscard]] Errors allowed() const {
     const SurfaceSums sums = sum();
     return {std::max(relative_error_ * std::abs(sums.volume), kRounding * sums.area * size_),
-            std::max(relative_error_, kRounding) * sums.area, kAbsNormalError * sums.area};
+            std::max(relative_error_, kAreaError) * sums.area, kAbsNormalError * sums.area};
   }
 
   static bool within(const Errors& errors, const Errors& allowed) {

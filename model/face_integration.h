@@ -18,8 +18,8 @@ struct SurfaceSums {
   std::vector<FaceId> contradictory;    ///< faces whose loops run the wrong way round for their orientation
 };
 
-/// Refines face by face until the estimated errors of volume and area are below `relative_error` of their values, those
-/// of the |n| integrals below 0.3 %, or the work per face is spent. A face whose integrals aren't finite, or whose
+/// Refines face by face until the estimated errors are below `relative_error` of the volume, below that or 1e-6 of the
+/// area and 0.3 % of the |n| integrals, or the work per face is spent. A face whose integrals aren't finite, or whose
 /// geometry is beyond the stated limits, counts for nothing and makes the result not converged.
 [[nodiscard]] SurfaceSums integrate_faces(const Scene& scene, std::span<const FaceId> faces, double relative_error);
 

@@ -18,6 +18,8 @@ namespace {
 constexpr double kQuarterTurn = 0.5 * kPi;
 constexpr std::size_t kMaxStrips = 1'000'000;
 constexpr int kAnalyticNodes = 10;
+/// Of the largest parameter: what a border's point along a knot line is off it.
+constexpr double kRounding = 1e-15;
 
 using Sums5 = Eigen::Array<double, 5, 1>;
 using Sums1 = Eigen::Array<double, 1, 1>;
@@ -77,8 +79,8 @@ struct SolidAngleIntegrand {
   }
 };
 
-/// Level 0 takes fewer nodes, level 1 all of them, each further level halves the panels.
-int nodes_at(int level, int nodes) { return level > 0 ? nodes : (3 * nodes + 4) / 5; }
+/// Levels below 1 take fewer nodes, level 1 all of them, each further level halves the panels.
+int nodes_at(int level, int nodes) { return level > 0 ? nodes : ((level == 0 ? 3 : 2) * nodes + 4) / 5; }
 int parts_at(int level) { return level > 1 ? 1 << (level - 1) : 1; }
 
 /// H(u, v) = integral of F(u, s) ds from the first panel's start to v.
@@ -90,6 +92,7 @@ class InnerIntegral {
         integrand_(integrand),
         panels_(panels),
         parts_(parts_at(level)),
+        rounding_(kRounding * std::max(std::abs(panels.front()), std::abs(panels.back()))),
         rule_(gauss_legendre(nodes_at(level, nodes))) {
     std::vector<double> places;
     for (std::size_t p = 0; p + 1 < panels.size(); ++p) {
@@ -101,15 +104,17 @@ class InnerIntegral {
   void set_u(double u) { line_.set_u(u); }
 
   [[nodiscard]] Sums operator()(double v) const {
-    const auto end = std::upper_bound(panels_.begin() + 1, panels_.end() - 1, v);
-    const std::size_t last = static_cast<std::size_t>(end - panels_.begin()) - 1;
+    const auto end = std::upper_bound(panels_.begin(), panels_.end(), v + rounding_);
+    const std::size_t whole = end == panels_.begin() ? 0 : static_cast<std::size_t>(end - panels_.begin()) - 1;
     Sums sums = Sums::Zero();
     std::size_t node = 0;
-    for (std::size_t p = 0; p < last; ++p) {
+    for (std::size_t p = 0; p < whole; ++p) {
       visit(panels_[p], panels_[p + 1],
             [&](double, double weight) { sums += weight * integrand_(line_.at_node(node++)); });
     }
-    visit(panels_[last], v, [&](double s, double weight) { sums += weight * integrand_(line_.at(s)); });
+    if (std::abs(v - panels_[whole]) > rounding_) {
+      visit(panels_[whole], v, [&](double s, double weight) { sums += weight * integrand_(line_.at(s)); });
+    }
     return sums;
   }
 
@@ -129,6 +134,7 @@ class InnerIntegral {
   const Integrand& integrand_;
   const std::vector<double>& panels_;
   int parts_;
+  double rounding_;  ///< of v: a border along a panel's end lies on it up to this
   const GaussRule& rule_;
 };
 

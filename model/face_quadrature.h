@@ -20,7 +20,8 @@ struct FaceIntegrals {
 };
 
 /// How fine a quadrature is along the border and across the face. Level 0 takes three fifths of the nodes of level 1,
-/// every further level halves the panels, so that the difference of two levels estimates the error of the lower one.
+/// level -1 two fifths; every level above 1 halves the panels. The difference of two levels estimates the error of the
+/// lower one.
 struct QuadratureLevel {
   int outer = 1;
   int inner = 1;

@@ -18,7 +18,11 @@ SurfacePoint RevolutionLine::turned(const CurvePoint<3>& at) const {
 }
 
 SplineLine::SplineLine(const BSplineSurface& surface)
-    : surface_(surface), column_(surface.count_v), column_u_(surface.count_v) {
+    : surface_(surface),
+      table_u_(surface.knots_u, surface.degree_u),
+      table_v_(surface.knots_v, surface.degree_v),
+      column_(surface.count_v),
+      column_u_(surface.count_v) {
   net_.reserve(surface.poles.size());
   for (std::size_t i = 0; i < surface.poles.size(); ++i) {
     const double w = surface.weights.empty() ? 1.0 : surface.weights[i];
@@ -31,23 +35,24 @@ void SplineLine::set_nodes(const std::vector<double>& nodes) {
   first_.clear();
   basis_.clear();
   first_.reserve(nodes.size());
-  basis_.reserve(2 * nodes.size() * order);
+  basis_.resize(2 * nodes.size() * order);
+  double* values = basis_.data();
   for (const double v : nodes) {
-    const Basis basis = evaluate_basis(surface_.knots_v, surface_.degree_v, v, 1);
-    first_.push_back(basis.first);
-    basis_.insert(basis_.end(), basis.derivative[0].begin(), basis.derivative[0].begin() + order);
-    basis_.insert(basis_.end(), basis.derivative[1].begin(), basis.derivative[1].begin() + order);
+    first_.push_back(table_v_.evaluate(v, values, values + order));
+    values += 2 * order;
   }
 }
 
 void SplineLine::set_u(double u) {
-  const Basis basis = evaluate_basis(surface_.knots_u, surface_.degree_u, u, 1);
+  BasisRow values;
+  BasisRow slopes;
+  const int first = table_u_.evaluate(u, values.data(), slopes.data());
   std::fill(column_.begin(), column_.end(), Vec4::Zero());
   std::fill(column_u_.begin(), column_u_.end(), Vec4::Zero());
   for (int i = 0; i <= surface_.degree_u; ++i) {
-    const Vec4* row = net_.data() + static_cast<std::size_t>(basis.first + i) * surface_.count_v;
-    const double value = basis.derivative[0][i];
-    const double slope = basis.derivative[1][i];
+    const Vec4* row = net_.data() + static_cast<std::size_t>(first + i) * surface_.count_v;
+    const double value = values[i];
+    const double slope = slopes[i];
     for (int j = 0; j < surface_.count_v; ++j) {
       column_[j] += value * row[j];
       column_u_[j] += slope * row[j];
@@ -56,8 +61,10 @@ void SplineLine::set_u(double u) {
 }
 
 SurfacePoint SplineLine::at(double v) const {
-  const Basis basis = evaluate_basis(surface_.knots_v, surface_.degree_v, v, 1);
-  return combine(basis.first, basis.derivative[0].data(), basis.derivative[1].data());
+  BasisRow values;
+  BasisRow slopes;
+  const int first = table_v_.evaluate(v, values.data(), slopes.data());
+  return combine(first, values.data(), slopes.data());
 }
 
 SurfacePoint SplineLine::at_node(std::size_t i) const {

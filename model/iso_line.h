@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "model/basis_table.h"
 #include "model/bspline.h"
 #include "model/evaluate.h"
 #include "model/surface.h"
@@ -59,6 +60,8 @@ class SplineLine {
   [[nodiscard]] SurfacePoint combine(int first, const double* value, const double* slope) const;
 
   const BSplineSurface& surface_;
+  BasisTable table_u_;
+  BasisTable table_v_;
   std::vector<Vec4> net_;       ///< (w x, w y, w z, w), laid out as the poles
   std::vector<Vec4> column_;    ///< poles of the curve v -> S(u, v), homogeneous
   std::vector<Vec4> column_u_;  ///< of its derivative by u

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "core/error.h"
+#include "model/basis_table.h"
 #include "model/evaluate.h"
 #include "tests/model/random_geometry.h"
 
@@ -53,6 +54,32 @@ TEST(Basis, DerivativesEqualDifferencesOfTheDefinition) {
       const auto second = static_cast<double>((above[k] - 2 * at[k] + below[k]) / (h * h));
       EXPECT_NEAR(basis.derivative[1][k], first, 1e-9 * scale);
       EXPECT_NEAR(basis.derivative[2][k], second, 1e-8 * scale);
+    }
+  }
+}
+
+TEST(BasisTable, EqualsTheDefinitionAndItsDifferences) {
+  RandomGeometry random(5);
+  const long double h = 1e-5L;
+  for (int degree = 1; degree <= 13; ++degree) {
+    const std::vector<double> knots = random.knots(degree, 4);
+    const BasisTable table(knots, degree);
+    for (const double t : parameters(random, knots)) {
+      BasisRow values;
+      BasisRow slopes;
+      const int first = table.evaluate(t, values.data(), slopes.data());
+      const auto at = test::basis_by_definition(knots, degree, static_cast<long double>(t));
+      for (int k = 0; k <= degree; ++k) {
+        EXPECT_NEAR(values[k], static_cast<double>(at[first + k]), 1e-13) << "degree " << degree << " at " << t;
+      }
+      const auto next = *std::upper_bound(knots.begin(), knots.end() - degree - 1, t);
+      if (t - h <= knots[first + degree] || t + h >= next) continue;  // the differences would cross a knot
+      const auto below = test::basis_by_definition(knots, degree, t - h);
+      const auto above = test::basis_by_definition(knots, degree, t + h);
+      const double scale = std::pow(degree / (next - knots[first + degree]), 3);
+      for (int k = 0; k <= degree; ++k) {
+        EXPECT_NEAR(slopes[k], static_cast<double>((above[first + k] - below[first + k]) / (2 * h)), 1e-9 * scale);
+      }
     }
   }
 }
