@@ -53,7 +53,7 @@ void write_run_file(const Session& session, const SliceRequest& request, const T
                  {"exit_code", static_cast<int>(code)},
                  {"timing", timing_json(timing)},
                  {"peak_memory_bytes", peak_memory()}};
-  write_file_atomically(std::filesystem::path(request.build) / "run.json",
+  write_file_atomically(std::filesystem::path(*request.build) / "run.json",
                         run.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
@@ -72,7 +72,7 @@ SliceReport run_slicer(const Session& session, const SliceRequest& request, cons
 
 ExitCode finish(const Session& session, const SliceRequest& request, const SliceOutcome& outcome) {
   const ExitCode code = outcome.report.within_budget() ? ExitCode::ok : ExitCode::budget;
-  write_run_file(session, request, outcome.timing, code);
+  if (request.build) write_run_file(session, request, outcome.timing, code);
   session.warn(outcome.report.findings);
   if (code != ExitCode::ok) {
     session.terminal().warn("the error budget is exceeded: the outputs are written but can't be fully trusted");
@@ -123,6 +123,7 @@ void add_slice(CLI::App& program, CommonOptions& common, Action& action) {
       "  lamella slice grip.step -o build\n"
       "  lamella slice grip.step insert.step -o build --materials grip.xml --layer-height 0.1 --pitch 0.05\n"
       "  lamella slice grip.step -o build --dpi 600,300 --layer-height 0.027 --png images --vdb grip.vdb\n"
+      "  lamella slice grip.step --png-indexed images            (no build kept)\n"
       "  lamella slice grip.step -o build --machine datasets/machines/material_jetting.xml\n"
       "  lamella slice grip.step -o build --hatch-spacing 0.4 --hatch-angle 45 --rotate-per-layer 90\n"
       "  lamella slice grip.step -o build --pitch 0.02 --dry-run\n"

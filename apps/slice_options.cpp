@@ -88,7 +88,9 @@ std::optional<double> read_contours(const CLI::App& verb, const SliceRequest& re
 }  // namespace
 
 void add_slice_options(CLI::App& verb) {
-  add_value(verb, "-o,--output", "folder of the build (the layers, as HDF5 and XML)", "BUILD");
+  add_value(verb, "-o,--output",
+            "folder of the build (the layers, as HDF5 and XML); may be left out where another output is given",
+            "BUILD");
   add_value(verb, "--job", "parts, placements and any of these options from a file", "J.xml");
   add_value(verb, "--layer-height", "mm (default: about 500 layers on the larger extent)", "MM");
   add_value(verb, "--pitch", "pitch of the raster, both axes or x,y (default: about 1000 rows)", "MM[,MM]");
@@ -141,13 +143,14 @@ SliceRequest read_slice_request(CLI::App& verb, const std::vector<std::string>& 
   request.parts = read_parts(verb, files, common);
   request.job = given(verb, "--job");
   request.materials = given(verb, "--materials");
-  const auto build = given(verb, "--output");
-  if (!build) throw UsageError("--output is required", {}, "name a folder for the build: -o BUILD");
-  request.build = *build;
-  request.outputs.push_back({"store", request.build});
+  request.build = given(verb, "--output");
+  if (request.build) request.outputs.push_back({"store", *request.build});
   for (const Format& format : available_formats()) {
     const std::string name = format.name;
     if (const auto path = given(verb, "--" + name)) request.outputs.push_back({name, *path});
+  }
+  if (request.outputs.empty()) {
+    throw UsageError("--output is required", {}, "name a folder for the build: -o BUILD; or any format: --png DIR");
   }
   request.format = read_format_options(verb);
   check_format_options(request.format, request.outputs);

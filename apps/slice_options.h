@@ -20,8 +20,8 @@ struct SliceRequest {
   std::optional<std::string> job;  ///< the file that named them
   std::optional<std::string> materials;
   std::optional<std::string> machine;
-  std::string build;            ///< the store's folder
-  std::vector<Output> outputs;  ///< the store first, then the formats asked for
+  std::optional<std::string> build;  ///< the store's folder; nothing: only the other outputs are written
+  std::vector<Output> outputs;       ///< the store first, then the formats asked for
   FormatOptions format;
   PlanOptions plan;
   OverlapPolicy policy = OverlapPolicy::priority;

@@ -15,7 +15,7 @@ constexpr int kSteps = 40;
 
 /// Parts are halved until they bend by less than this part of their size, so that the distance over one has one
 /// minimum for points that aren't near a centre of curvature, and Newton's iteration finds it from the middle.
-constexpr double kBend = 0.02;
+constexpr double kBend = 0.05;
 constexpr int kMaxHalvings = 12;
 /// The box of a large slanted plane is all but empty.
 constexpr int kLeastHalvings = 4;

@@ -50,6 +50,25 @@ TEST(Slice, FirstSaysItsLatticeAndLastWhereTheOutputsAre) {
   EXPECT_THAT(result.output, ContainsRegex("store: [^\n]*build \\([0-9.]+ kB\\)\n$"));
 }
 
+TEST(Slice, WithoutABuildWritesTheSamePictures) {
+  const TemporaryFolder folder;
+  const std::string slice = "slice " + boxes() + kCoarse;
+  ASSERT_EQ(run_lamella(slice + "-o " + quoted(folder / "build") + " --png " + quoted(folder / "png")).exit_code, 0);
+  const CommandResult result = run_lamella(slice + "--json --png " + quoted(folder / "alone"));
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_GT(parse_output(result)["segments"], 0);
+  std::size_t pictures = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder / "png")) {
+    if (!entry.is_regular_file()) continue;
+    EXPECT_EQ(contents(entry.path()),
+              contents(folder / "alone" / std::filesystem::relative(entry.path(), folder / "png")));
+    ++pictures;
+  }
+  EXPECT_GT(pictures, 0U);
+  const auto at = std::filesystem::directory_iterator(folder.path());
+  EXPECT_EQ(std::distance(begin(at), end(at)), 3) << "nothing but the build and the two folders";
+}
+
 TEST(Slice, BothEnginesGiveTheSameVolumes) {
   const TemporaryFolder folder;
   std::vector<Json> reports;
