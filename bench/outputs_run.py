@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
 """From STEP to pictures and to OpenVDB, on one core, next to what else does it: whole commands, one after the other.
 
-Pictures: one label PNG a layer (lamella slice --png-indexed, store included) against PrusaSlicer's --export-sla, which
-writes one black and white picture a layer of all solids together. Volumes: lamella slice --vdb against tessellating
-with OpenCASCADE at 0.01 mm and OpenVDB's meshToVolume (bench/fog_openvdb). Medians of CPU seconds."""
+Pictures: one label PNG a layer (lamella slice --png-indexed) against PrusaSlicer's --export-sla, which writes one black
+and white picture a layer of all solids together. Volumes: lamella slice --vdb against tessellating with OpenCASCADE at
+0.01 mm and OpenVDB's meshToVolume (bench/fog_openvdb). Neither side keeps anything else; with --store, ours keeps its
+build, too. Medians of CPU seconds. Every run writes into a folder of its own: where names and inodes were just freed,
+file systems take longer."""
 import argparse
 import json
 import os
@@ -12,6 +14,7 @@ import shutil
 import statistics
 import subprocess
 import sys
+import tempfile
 import zipfile
 
 PIXELS = 1000
@@ -25,6 +28,7 @@ def parse_arguments():
     parser.add_argument("--out", required=True, type=pathlib.Path)
     parser.add_argument("--runs", type=int, default=3)
     parser.add_argument("--only", choices=["pictures", "volumes"])
+    parser.add_argument("--store", action="store_true", help="keep the build, too")
     parser.add_argument("models", nargs="+", type=pathlib.Path)
     return parser.parse_args()
 
@@ -37,6 +41,16 @@ def run(command, log):
     if os.waitstatus_to_exitcode(status) not in (0, 3):
         sys.exit(f"{command[0]} failed: see {log}")
     return {"seconds": usage.ru_utime + usage.ru_stime, "bytes": usage.ru_maxrss * 1024}
+
+
+def new_place(arguments):
+    folder = arguments.out / "runs"
+    folder.mkdir(exist_ok=True)
+    return pathlib.Path(tempfile.mkdtemp(dir=folder))
+
+
+def store(arguments, place):
+    return ["-o", place / "build"] if arguments.store else []
 
 
 def bounds_of(arguments, model):
@@ -53,15 +67,13 @@ def picture_runs(arguments, model):
     size = bounds_of(arguments, model)
     pitch = max(size[:2]) / PIXELS
     height = pitch
-    build, pictures, archive = (arguments.out / name for name in ("build", "pictures", "other.sl1"))
     ours, theirs = [], []
     for _ in range(arguments.runs):
-        for folder in (build, pictures):
-            shutil.rmtree(folder, ignore_errors=True)
-        ours.append(run([arguments.bin / "lamella", "slice", model, "-o", build, "--png-indexed", pictures, "--pitch",
-                         repr(pitch), "--layer-height", repr(height), "--threads", 1, "--quiet"],
+        place = new_place(arguments)
+        pictures, archive = place / "pictures", place / "other.sl1"
+        ours.append(run([arguments.bin / "lamella", "slice", model, *store(arguments, place), "--png-indexed", pictures,
+                         "--pitch", repr(pitch), "--layer-height", repr(height), "--threads", 1, "--quiet"],
                         arguments.out / "ours.log"))
-        archive.unlink(missing_ok=True)
         width = 1.1 * PIXELS * pitch
         theirs.append(run(["prusa-slicer", "--export-sla", "--printer-technology", "SLA", "--pad-enable=0",
                            "--supports-enable=0", f"--layer-height={height}", f"--initial-layer-height={height}",
@@ -75,13 +87,13 @@ def picture_runs(arguments, model):
 
 
 def volume_runs(arguments, model):
-    build, ours_file, theirs_file = (arguments.out / name for name in ("build", "ours.vdb", "other.vdb"))
     ours, theirs = [], []
     for _ in range(arguments.runs):
-        shutil.rmtree(build, ignore_errors=True)
-        ours.append(run([arguments.bin / "lamella", "slice", model, "-o", build, "--vdb", ours_file, "--pitch", VOXEL,
-                         "--layer-height", VOXEL, "--threads", 1, "--quiet"], arguments.out / "ours.log"))
-        theirs.append(run([arguments.bin / "fog_openvdb", model, DEFLECTION, VOXEL, theirs_file],
+        place = new_place(arguments)
+        ours.append(run([arguments.bin / "lamella", "slice", model, *store(arguments, place), "--vdb",
+                         place / "ours.vdb", "--pitch", VOXEL, "--layer-height", VOXEL, "--threads", 1, "--quiet"],
+                        arguments.out / "ours.log"))
+        theirs.append(run([arguments.bin / "fog_openvdb", model, DEFLECTION, VOXEL, place / "other.vdb"],
                           arguments.out / "other.log"))
     return row(model, ours, theirs)
 
@@ -114,6 +126,7 @@ def main():
         if arguments.only in (None, kind):
             result[kind] = [measure(arguments, model) for model in arguments.models]
             print(table(kind, result[kind]), flush=True)
+    shutil.rmtree(arguments.out / "runs", ignore_errors=True)
     (arguments.out / "outputs.json").write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
 
 
