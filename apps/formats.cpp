@@ -59,9 +59,9 @@ constexpr std::array kFormats{
            }},
     Format{"vdb", "OpenVDB grids", false, true,
            [](const Path& path, const FormatOptions& options) {
-             return make_vdb_sink(
-                 path,
-                 {.integer_ids = options.vdb_ids, .signed_distance = options.vdb_sdf, .z_pitch = options.z_pitch});
+             VdbOptions grids = options.vdb;
+             grids.z_pitch = options.z_pitch;
+             return make_vdb_sink(path, grids);
            }},
     Format{"vti", "VTK image data of labels", false, true,
            [](const Path& path, const FormatOptions& options) { return make_vti_sink(path, volume_options(options)); }},
@@ -113,6 +113,7 @@ void check_format(const std::string& name) {
 
 void add_format_options(CLI::App& verb) {
   add_value(verb, "--xml-payload", "numbers in the XML: binary (zlib + base64, the default) or text", "KIND");
+  add_value(verb, "--vdb-grids", "the VDB's grids, of density, labels and fog (one a material); default: all", "LIST");
   add_switch(verb, "--vdb-ids", "also an Int32 grid of material ids in the VDB");
   add_switch(verb, "--vdb-sdf", "also a level set of each material in the VDB; voxels must be cubes");
   add_value(verb, "--plan", "the build's plan, for G-code", "plan.xml");
@@ -122,6 +123,25 @@ void add_format_options(CLI::App& verb) {
   add_switch(verb, "--raw", "tiff, vti, nrrd and mhd without compression");
 }
 
+namespace {
+
+/// Names with commas between.
+void choose_grids(const std::string& list, VdbOptions& vdb) {
+  vdb.density = vdb.labels = vdb.fog = false;
+  for (const std::string& name : CLI::detail::split(list, ',')) {
+    bool* const grid = name == "density"  ? &vdb.density
+                       : name == "labels" ? &vdb.labels
+                       : name == "fog"    ? &vdb.fog
+                                          : nullptr;
+    if (grid == nullptr) {
+      throw UsageError("'" + name + "' is no grid", "--vdb-grids", "give any of density,labels,fog");
+    }
+    *grid = true;
+  }
+}
+
+}  // namespace
+
 FormatOptions read_format_options(const CLI::App& verb) {
   FormatOptions options;
   if (const auto payload = given(verb, "--xml-payload")) {
@@ -130,8 +150,9 @@ FormatOptions read_format_options(const CLI::App& verb) {
     }
     options.xml_text = *payload == "text";
   }
-  options.vdb_ids = verb.count("--vdb-ids") > 0;
-  options.vdb_sdf = verb.count("--vdb-sdf") > 0;
+  if (const auto grids = given(verb, "--vdb-grids")) choose_grids(*grids, options.vdb);
+  options.vdb.integer_ids = verb.count("--vdb-ids") > 0;
+  options.vdb.signed_distance = verb.count("--vdb-sdf") > 0;
   options.dither = verb.count("--dither") > 0;
   if (const auto bits = given(verb, "--grey-bits")) {
     if (*bits != "8" && *bits != "16") throw UsageError("'" + *bits + "' bits", "--grey-bits", "give 8 or 16");

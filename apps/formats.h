@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "export/vdb/vdb_sink.h"
 #include "slicing/layer_sink.h"
 
 namespace lamella::apps {
@@ -15,8 +16,7 @@ namespace lamella::apps {
 /// How a format is written, where it has a choice.
 struct FormatOptions {
   bool xml_text = false;               ///< numbers of the XML slices as text
-  bool vdb_ids = false;                ///< an Int32 grid of material ids in the VDB
-  bool vdb_sdf = false;                ///< a level set of each material in the VDB
+  VdbOptions vdb{};                    ///< the VDB's grids
   std::optional<std::string> plan;     ///< plan.xml, for G-code
   std::optional<std::string> machine;  ///< machine.xml, for G-code
   bool dither = false;                 ///< graded materials dithered where voxels have one material

@@ -113,26 +113,28 @@ using IntBuilder = GridBuilder<openvdb::Int32Grid>;
 class GridSet {
  public:
   GridSet(const BuildInfo& info, const Grid& grid, const VdbOptions& options)
-      : transform_(make_transform(grid)), density_("density"), material_("material") {
+      : transform_(make_transform(grid)), has_fog_(options.fog), signed_distance_(options.signed_distance) {
+    if (options.density) density_.emplace("density");
+    if (options.labels) material_.emplace("material");
     std::vector<std::string> names;
     for (const Material& material : info.materials) names.push_back(material.name);
     for (const std::string& name : safe_file_names(names)) masks_.emplace_back(std::string(kMaskPrefix) + name);
     if (options.integer_ids) ids_.emplace("material_id");
-    signed_distance_ = options.signed_distance;
     describe(info);
   }
 
   void add_uniform(const openvdb::Coord& corner, std::uint32_t label) {
-    density_.add_tile(corner, 1.0f);
-    masks_[label - 1].add_tile(corner, 1.0f);
-    material_.add_tile(corner, static_cast<float>(label));
+    if (density_) density_->add_tile(corner, 1.0f);
+    if (needs_masks()) masks_[label - 1].add_tile(corner, 1.0f);
+    if (material_) material_->add_tile(corner, static_cast<float>(label));
     if (ids_) ids_->add_tile(corner, static_cast<std::int32_t>(label));
   }
 
   void add_mixed(const openvdb::Coord& corner, const LeafLabels& labels) {
-    density_.add_leaf(corner, labels, [](std::uint32_t label) { return label != 0 ? 1.0f : 0.0f; });
-    material_.add_leaf(corner, labels, [](std::uint32_t label) { return static_cast<float>(label); });
+    if (density_) density_->add_leaf(corner, labels, [](std::uint32_t label) { return label != 0 ? 1.0f : 0.0f; });
+    if (material_) material_->add_leaf(corner, labels, [](std::uint32_t label) { return static_cast<float>(label); });
     if (ids_) ids_->add_leaf(corner, labels, [](std::uint32_t label) { return static_cast<std::int32_t>(label); });
+    if (!needs_masks()) return;
     for (const std::uint32_t label : distinct(labels)) {
       masks_[label - 1].add_leaf(corner, labels, [&](std::uint32_t l) { return l == label ? 1.0f : 0.0f; });
     }
@@ -140,6 +142,7 @@ class GridSet {
 
   /// Sets the fractions of graded voxels; the leaves that they lie in must have been added.
   void add_fractions(const openvdb::Coord& first, const MixedRun& run) {
+    if (!needs_masks()) return;
     const auto count = static_cast<std::size_t>(run.pixels.end - run.pixels.begin);
     for (std::size_t c = 0; c < run.materials.size(); ++c) {
       FloatBuilder& mask = masks_[run.materials[c].value()];
@@ -157,9 +160,11 @@ class GridSet {
       openvdb::tools::prune(builder.grid()->tree());
       grids.push_back(builder.grid());
     };
-    add(density_);
-    add(material_);
-    for (FloatBuilder& mask : masks_) add(mask);
+    if (density_) add(*density_);
+    if (material_) add(*material_);
+    if (has_fog_) {
+      for (FloatBuilder& mask : masks_) add(mask);
+    }
     if (ids_) add(*ids_);
     if (signed_distance_) {
       for (FloatBuilder& mask : masks_) grids.push_back(distance_to(*mask.grid()));
@@ -168,6 +173,9 @@ class GridSet {
   }
 
  private:
+  /// Level sets are made of the masks.
+  [[nodiscard]] bool needs_masks() const { return has_fog_ || signed_distance_; }
+
   /// Distance in mm to the surface between voxels of a material and others, negative within it, in a narrow band.
   static openvdb::FloatGrid::Ptr distance_to(const openvdb::FloatGrid& mask) {
     constexpr int kClosingSteps = 0;  // a gap of one voxel is a gap
@@ -199,9 +207,11 @@ class GridSet {
   }
 
   void describe(const BuildInfo& info) {
-    density_.grid()->setGridClass(openvdb::GRID_FOG_VOLUME);
-    describe_names(*density_.grid(), info);
-    describe_names(*material_.grid(), info);
+    if (density_) {
+      density_->grid()->setGridClass(openvdb::GRID_FOG_VOLUME);
+      describe_names(*density_->grid(), info);
+    }
+    if (material_) describe_names(*material_->grid(), info);
     if (ids_) describe_names(*ids_->grid(), info);
     for (MaterialId id : info.materials.ids()) {
       openvdb::FloatGrid& mask = *masks_[id.value()].grid();
@@ -233,11 +243,12 @@ class GridSet {
 
  private:
   openvdb::math::Transform::Ptr transform_;
-  FloatBuilder density_;
-  FloatBuilder material_;
-  std::vector<FloatBuilder> masks_;
+  bool has_fog_;
+  bool signed_distance_;
+  std::optional<FloatBuilder> density_;
+  std::optional<FloatBuilder> material_;
+  std::vector<FloatBuilder> masks_;  ///< by material
   std::optional<IntBuilder> ids_;
-  bool signed_distance_ = false;
   std::vector<std::uint32_t> distinct_;  ///< memory of distinct()
 };
 

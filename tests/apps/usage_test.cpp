@@ -93,6 +93,8 @@ INSTANTIATE_TEST_SUITE_P(
         Misuse{"export build --to xml -o t.xml --layers 7:3", "--layers"},
         Misuse{"export build --to xml -o t.xml --layers -1:3", "--layers"},
         Misuse{"export build --to xml -o t.xml --xml-payload hex", "--xml-payload"}, Misuse{"view build", "--output"},
+        Misuse{"slice x.step --vdb v.vdb --vdb-grids fog,smoke", "'smoke' is no grid"},
+        Misuse{"slice x.step --vdb v.vdb --vdb-grids ''", "--vdb-grids"},
         Misuse{"view build -o v.html --every 0", "--every"}, Misuse{"view build -o v.html --layers 3", "--layers"},
         Misuse{"check", "path"}));
 

@@ -126,6 +126,26 @@ TEST(VdbSink, VdbPrintAgreesOnActiveVoxelsAndIntegerIds) {
   EXPECT_THAT(list.output, HasSubstr("int32"));
 }
 
+TEST(VdbSink, HasTheGridsThatAreAskedFor) {
+  const TemporaryFolder folder;
+  const BuildInfo info = make_build(small_grid(), {"steel", "rubber"});
+  const auto layers = random_layers(info);
+  feed(*make_vdb_sink(folder / "all.vdb"), info, layers);
+  feed(*make_vdb_sink(folder / "fog.vdb", {.density = false, .labels = false}), info, layers);
+  const std::string all = run_command("vdb_print -l " + quoted(folder / "all.vdb")).output;
+  const std::string fog = run_command("vdb_print -l " + quoted(folder / "fog.vdb")).output;
+  const auto voxels = [](const std::string& listing, const std::string& grid) {
+    const std::size_t entry = listing.find("Name: " + grid + "\n");
+    const std::size_t count = listing.find("file_voxel_count: ", entry);
+    return entry == std::string::npos ? "no " + grid : listing.substr(count, listing.find('\n', count) - count);
+  };
+  for (const char* name : {"density_steel", "density_rubber"}) EXPECT_EQ(voxels(fog, name), voxels(all, name));
+  for (const char* name : {"density", "material"}) {
+    EXPECT_THAT(voxels(all, name), HasSubstr("file_voxel_count"));
+    EXPECT_EQ(voxels(fog, name), std::string("no ") + name);
+  }
+}
+
 TEST(VdbSink, HasIntegerIdsOnlyWhenAsked) {
   const TemporaryFolder folder;
   const BuildInfo info = make_build(small_grid(), {"steel"});
