@@ -181,9 +181,7 @@ struct FaceExtent::Parts {
   }
 };
 
-FaceExtent::FaceExtent(const Scene& scene, FaceId face) : parts_(std::make_unique<Parts>(scene, face)) {}
-FaceExtent::~FaceExtent() = default;
-FaceExtent::FaceExtent(FaceExtent&&) noexcept = default;
+FaceExtent::FaceExtent(const Scene& scene, FaceId face) : parts_(std::make_shared<Parts>(scene, face)) {}
 
 void FaceExtent::raise(const Vec3& direction, Reach& best) const {
   if (parts_->region.bounds().isEmpty()) return;

@@ -33,8 +33,6 @@ class FaceExtent {
  public:
   /// The scene must outlive it. Throws GeometryError as TrimRegion does.
   FaceExtent(const Scene& scene, FaceId face);
-  ~FaceExtent();
-  FaceExtent(FaceExtent&&) noexcept;
 
   /// Raises `best`, what is known to reach along `direction` (a unit vector) - the border has to be in it - to what the
   /// inside of the face reaches, exact to 1e-9 of the face's size and to the tolerance of its edges next to them.
@@ -42,7 +40,7 @@ class FaceExtent {
 
  private:
   struct Parts;
-  std::unique_ptr<Parts> parts_;
+  std::shared_ptr<const Parts> parts_;
 };
 
 }  // namespace lamella
