@@ -65,7 +65,7 @@ class Finder {
       add(-up, "axis scheme");
     }
     add(Vec3::UnitZ(), "as it is");
-    for (const Vec3& axis : {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()}) {
+    for (const Vec3& axis : {Vec3(Vec3::UnitX()), Vec3(Vec3::UnitY()), Vec3(Vec3::UnitZ())}) {
       add(axis, "along an axis");
       add(-axis, "along an axis");
     }
@@ -138,7 +138,12 @@ class Finder {
   }
 
   static bool is_better(const OrientationCandidate& a, const OrientationCandidate& b) {
-    return std::tuple(!a.is_free, !a.fits, a.score) < std::tuple(!b.is_free, !b.fits, b.score);
+    // Heights of a direction and its opposite are equal but for rounding: then the one with less support is better.
+    constexpr double kEqual = 1e-9;
+    const auto rank = [](const OrientationCandidate& one) {
+      return std::tuple(!one.is_free, !one.fits, std::round(one.score / kEqual), one.figures.support_volume);
+    };
+    return rank(a) < rank(b);
   }
 
   /// Height alone has its proved optimum. Any other score is followed downhill from a few places, in smaller and
