@@ -10,6 +10,7 @@
 #include "apps/table.h"
 #include "model/move_scene.h"
 #include "slicing/orient/face_choice.h"
+#include "slicing/orient/natural_directions.h"
 
 namespace lamella::apps {
 
@@ -179,7 +180,7 @@ OrientOutcome find_orientation(const Session& session, const Assembly& assembly,
   auto support = std::make_shared<SupportFunction>(assembly.scene, counted, progress, threads);
   outcome.support = support;
   outcome.present_height = support->width(Vec3::UnitZ());
-  std::vector<Vec3> known;
+  std::vector<Vec3> known = natural_directions(assembly.scene, counted);
   if (request.scan) {
     outcome.scan = scan_axes(*support, *request.scan, progress);
     known.push_back(outcome.scan->turn.row(2).transpose().normalized());

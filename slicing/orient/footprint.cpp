@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
 
 #include "slicing/orient/sphere.h"
 
@@ -52,6 +54,20 @@ Mat3 turned_about_z(const Mat3& turn, double angle) {
   return about * turn;
 }
 
+/// The angle of least cost; 0 unless another one gains more than 0.1 %.
+double best_angle(const std::vector<double>& angles, const std::function<double(double)>& cost) {
+  constexpr double kGain = 1e-3;
+  double best = 0.0;
+  double least = cost(0.0) * (1.0 - kGain);
+  for (const double angle : angles) {
+    const double own = cost(angle);
+    if (!(own < least)) continue;
+    least = own;
+    best = angle;
+  }
+  return best;
+}
+
 }  // namespace
 
 Lying lay_down(const SupportFunction& support, const std::vector<Vec3>& points, const Vec3& up,
@@ -73,18 +89,12 @@ Lying lay_down(const SupportFunction& support, const std::vector<Vec3>& points, 
   if (room || hull.size() > kMostSides) {
     for (int degree = 1; degree < 180; ++degree) angles.push_back(degree / 180.0 * kPi);
   }
-  const auto cost = [&](double angle) {
-    const Vec2 sides = sides_at(hull, angle);
-    return room ? sides.cwiseQuotient(*room).maxCoeff() : sides.prod();
-  };
-  constexpr double kGain = 1e-3;
-  double best = 0.0;
-  double least = cost(0.0) * (1.0 - kGain);
-  for (const double angle : angles) {
-    const double own = cost(angle);
-    if (!(own < least)) continue;
-    least = own;
-    best = angle;
+  const double smallest = best_angle(angles, [&](double angle) { return sides_at(hull, angle).prod(); });
+  double best = smallest;
+  if (room) {
+    const auto filling = [&](double angle) { return sides_at(hull, angle).cwiseQuotient(*room).maxCoeff(); };
+    if (filling(smallest) > 1.0) best = smallest + 0.5 * kPi;
+    if (filling(best) > 1.0) best = best_angle(angles, filling);
   }
   Lying lying;
   lying.turn = turned_about_z(upright, best);

@@ -31,7 +31,7 @@ struct OrientationFigures {
 struct JudgeOptions {
   double layer_height = 0.1;                   ///< mm
   double critical_angle = 45.0 / 180.0 * kPi;  ///< radians from the plate; flatter undersides need support
-  std::vector<FaceId> free_faces;              ///< that support must not touch
+  std::vector<FaceId> free_faces = {};         ///< that support must not touch
   bool counts_tools = false;                   ///< the machine changes tools between materials within a layer
 };
 

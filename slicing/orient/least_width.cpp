@@ -88,7 +88,9 @@ class Search {
     }
     const double height = up.value + down.value;
     minima_.push_back({height, direction});
-    if (result_.heights > 1 && !(height < result_.height)) return;
+    // Known directions come first and keep their place against what is lower by rounding.
+    constexpr double kGain = 1e-13;
+    if (result_.heights > 1 && !(height < result_.height * (1.0 - kGain))) return;
     result_.height = height;
     result_.direction = direction;
   }
