@@ -4,7 +4,10 @@
 #include "apps/machine_options.h"
 #include "apps/options.h"
 #include "apps/orient_report.h"
+#include "apps/outputs.h"
 #include "apps/verbs.h"
+#include "export/orient_page.h"
+#include "export/output_file.h"
 
 namespace lamella::apps {
 
@@ -14,16 +17,46 @@ struct OrientVerb {
   std::vector<StepPart> parts;
   std::optional<std::string> materials;
   OrientRequest request;
+  std::optional<std::string> page;  ///< file to write
 };
 
+void check_page(const OrientVerb& verb) {
+  if (!verb.page) return;
+  std::vector<std::string> inputs;
+  for (const StepPart& part : verb.parts) inputs.push_back(part.file.string());
+  if (verb.materials) inputs.push_back(*verb.materials);
+  if (verb.request.machine) inputs.push_back(*verb.request.machine);
+  refuse_inputs_as_outputs({*verb.page}, inputs);
+  check_writable({"xml", *verb.page});
+}
+
+void write_page(const OrientVerb& verb, const Assembly& assembly, const OrientOutcome& outcome) {
+  if (!verb.page) return;
+  OrientPage page;
+  for (const SourceFile& file : assembly.scene.files) page.source += (page.source.empty() ? "" : ", ") + file.path;
+  for (const auto& [name, weight] : named_weights(verb.request.weights)) page.weights.emplace_back(name, weight);
+  page.layer_height = outcome.layer_height;
+  page.present_height = outcome.present_height;
+  if (outcome.machine) page.machine = outcome.machine->name;
+  for (const SurfaceSample& sample : outcome.judge->samples().samples) {
+    const SolidId solid = assembly.scene.solid_of(sample.face);
+    page.colors.push_back(assembly.table.materials[assembly.table.assignments[solid].material].color);
+  }
+  OutputFile file(*verb.page);
+  write_orient_page(outcome.found, outcome.least, *outcome.judge, page, file.stream());
+  file.commit();
+}
+
 ExitCode run(const Session& session, const OrientVerb& verb) {
+  check_page(verb);
   Assembly assembly = read_assembly(session, verb.parts, verb.materials);
   require_solid(assembly.scene, false);
   measure_assembly(session, assembly);
   const OrientOutcome outcome = find_orientation(session, assembly, verb.request);
   session.warn(outcome.findings);
+  write_page(verb, assembly, outcome);
   if (session.json()) session.print(orient_json(verb.request, outcome));
-  session.print(orient_text(verb.request, outcome));
+  session.print(orient_text(verb.request, outcome) + (verb.page ? "page: " + *verb.page + "\n" : ""));
   return outcome.found.candidates.front().fits ? ExitCode::ok : ExitCode::budget;
 }
 
@@ -63,6 +96,7 @@ OrientVerb read_options(const CLI::App& verb, const std::vector<std::string>& fi
   if (const auto height = given(verb, "--layer-height"))
     request.plan.layer_height = parse_positive("--layer-height", *height);
   request.machine = given(verb, "--machine");
+  options.page = given(verb, "--page");
   apply_machine(request.machine, request.plan);
   if (const auto count = given(verb, "--count"))
     request.count = static_cast<std::size_t>(parse_whole("--count", *count, 1, 100));
@@ -97,6 +131,7 @@ void add_orient(CLI::App& program, CommonOptions& common, Action& action) {
   add_value(*verb, "--count", "orientations to show (default: 5)", "N");
   add_value(*verb, "--samples", "points of the surface that support and cusps are judged at (default: 20000)", "N");
   add_value(*verb, "--gap", "stop when the least height is proved to this, relative (default: 1e-7)", "GAP");
+  add_value(*verb, "--page", "also a page to read, with pictures", "orient.html");
   add_common(*verb, common);
   verb->footer(
       "Examples:\n"

@@ -8,15 +8,9 @@ namespace lamella::apps {
 
 namespace {
 
-Json turn_json(const Mat3& turn) {
-  Json rows = Json::array();
-  for (int i = 0; i < 3; ++i) rows.push_back({turn(i, 0), turn(i, 1), turn(i, 2)});
-  return rows;
-}
-
 Json candidate_json(const OrientationCandidate& one) {
   const OrientationFigures& f = one.figures;
-  return {{"rotation", turn_json(one.lying.turn)},
+  return {{"rotation", json_of(one.lying.turn)},
           {"height", f.height},
           {"layers", f.layers},
           {"support_area", f.support_area},
@@ -41,7 +35,7 @@ Json scan_json(const OrientRequest& request, const AxisScanResult& scan) {
   for (const AxisTurn& turn : scan.turns) {
     turns.push_back({{"axis", turn.axis}, {"angle", turn.angle}, {"height", turn.height}});
   }
-  return {{"axes", axes},   {"step", request.scan->step}, {"rotation", turn_json(scan.turn)}, {"height", scan.height},
+  return {{"axes", axes},   {"step", request.scan->step}, {"rotation", json_of(scan.turn)}, {"height", scan.height},
           {"turns", turns}, {"heights", scan.heights}};
 }
 
@@ -53,7 +47,9 @@ std::string scan_text(const AxisScanResult& scan) {
 
 std::string yes_or_no(bool value) { return value ? "yes" : "NO"; }
 
-std::string up_text(const Vec3& up) { return fmt::format("{:.4f} {:.4f} {:.4f}", up.x(), up.y(), up.z()); }
+std::string up_text(const Vec3& up) {
+  return fmt::format("{:.4f} {:.4f} {:.4f}", up.x() + 0.0, up.y() + 0.0, up.z() + 0.0);
+}
 
 }  // namespace
 

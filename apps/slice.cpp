@@ -63,7 +63,11 @@ ExitCode finish(const Session& session, const SliceRequest& request, const Slice
   if (code != ExitCode::ok) {
     session.terminal().warn("the error budget is exceeded: the outputs are written but can't be fully trusted");
   }
-  if (session.json()) session.print(slice_json(outcome));
+  if (session.json()) {
+    Json object = slice_json(outcome);
+    if (request.format.turn) object["rotation"] = json_of(*request.format.turn);
+    session.print(object);
+  }
   session.print(slice_text(outcome));
   return code;
 }

@@ -137,7 +137,23 @@ std::vector<Place> try_sphere(const Points& few) {
   return apart;
 }
 
-Place refine(const Points& points, Place best) {
+/// What can be furthest within a degree of `up`.
+Points points_near(const Points& points, const Vector3d& up) {
+  const double size = (points.colwise().maxCoeff() - points.colwise().minCoeff()).norm();
+  const double slack = size * std::sin(1.0 / 180.0 * kPi);
+  const Eigen::VectorXd along = points * up;
+  const double high = along.maxCoeff() - slack;
+  const double low = along.minCoeff() + slack;
+  std::vector<Vector3d> near;
+  for (Eigen::Index i = 0; i < points.rows(); ++i) {
+    if (along[i] >= high || along[i] <= low) near.push_back(points.row(i));
+  }
+  return matrix_of(near);
+}
+
+/// All steps together lead less than 0.9 degrees away.
+Place refine(const Points& all, Place best) {
+  const Points points = points_near(all, best.up);
   best.height = height(points, best.up);
   for (double step = kStep; step > 1e-11; step *= 0.6) {
     const Vector3d x = best.up.unitOrthogonal();
