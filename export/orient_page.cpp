@@ -54,23 +54,27 @@ std::vector<double> largest_figures(const Orientations& found) {
   return largest;
 }
 
-void write_candidate(const OrientationCandidate& one, std::size_t number, const std::vector<double>& largest,
-                     const OrientationJudge& judge, const OrientPage& page, std::ostream& out) {
+void write_picture(const OrientationCandidate& one, std::size_t number, bool from_below, const OrientationJudge& judge,
+                   const OrientPage& page, std::ostream& out) {
   OrientPicture picture;
   picture.turn = one.lying.turn;
   picture.critical_angle = judge.options().critical_angle;
+  picture.from_below = from_below;
   const std::string png = draw_orientation(judge.samples(), page.colors, picture);
+  if (png.empty()) return;
+  out << fmt::format(
+      "<img width=\"{}\" height=\"{}\" alt=\"orientation {} seen from {}\" src=\"data:image/png;base64,{}\">\n",
+      picture.width, picture.height, number, from_below ? "below" : "above", base64(png));
+}
+
+void write_candidate(const OrientationCandidate& one, std::size_t number, const std::vector<double>& largest,
+                     const OrientationJudge& judge, const OrientPage& page, std::ostream& out) {
   out << "<div class=\"one\"><h2>" << number << ". " << xml_escape(one.origin)
       << (page.machine.empty() ? ""
           : one.fits           ? " &middot; fits"
                                : " &middot; DOES NOT FIT")
       << "</h2>\n";
-  if (!png.empty()) {
-    out << fmt::format(
-        "<img width=\"{}\" height=\"{}\" alt=\"orientation {} as it lies on the plate\" "
-        "src=\"data:image/png;base64,{}\">\n",
-        picture.width, picture.height, number, base64(png));
-  }
+  for (const bool from_below : {false, true}) write_picture(one, number, from_below, judge, page, out);
   out << "<table>\n";
   const std::vector<Figure> figures = figures_of(one);
   for (std::size_t i = 0; i < figures.size(); ++i) {
@@ -102,7 +106,8 @@ void write_orient_page(const Orientations& found, const LeastWidth& least, const
       "flatter than {:g}&deg; need support.</p>\n",
       page.present_height, least.height, least.proved, least.gap(), found.tried, weights, page.layer_height,
       judge.options().critical_angle * 180.0 / kPi);
-  out << "<p>Red: needs support, shown through the part. Green: lies on the plate. Bars: against the largest of the "
+  out << "<p>From above on the plate, and from below: red needs support, green lies on the plate. Bars: against the "
+         "largest of the "
          "candidates shown.</p>\n<div class=\"all\">\n";
   const std::vector<double> largest = largest_figures(found);
   for (std::size_t i = 0; i < found.candidates.size(); ++i)

@@ -15,10 +15,10 @@ constexpr Color kSupported{0.86, 0.20, 0.16};
 constexpr Color kContact{0.16, 0.62, 0.30};
 constexpr Color kPlate{0.80, 0.83, 0.87};
 
-/// Rows: right, up and towards the eye, of an eye at the front right, 25 degrees above the plate.
-Mat3 make_view() {
+/// Rows: right, up and towards the eye, of an eye at the front right, 25 degrees above the plate or below.
+Mat3 make_view(bool from_below) {
   const double around = -60.0 / 180.0 * kPi;
-  const double above = 25.0 / 180.0 * kPi;
+  const double above = (from_below ? -25.0 : 25.0) / 180.0 * kPi;
   const Vec3 eye(std::cos(above) * std::cos(around), std::cos(above) * std::sin(around), std::sin(above));
   const Vec3 right = Vec3::UnitZ().cross(eye).normalized();
   Mat3 view;
@@ -32,6 +32,7 @@ class Painter {
  public:
   Painter(const OrientPicture& picture, const Box3& box)
       : picture_(picture),
+        view_(make_view(picture.from_below)),
         image_(picture.width, picture.height, 32),
         depth_(static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height),
                -std::numeric_limits<double>::infinity()) {
@@ -81,7 +82,7 @@ class Painter {
   }
 
   const OrientPicture& picture_;
-  const Mat3 view_ = make_view();
+  const Mat3 view_;
   PackedImage image_;
   std::vector<double> depth_;
   double scale_ = 1.0;
@@ -110,7 +111,7 @@ std::string draw_orientation(const SurfaceSamples& samples, std::span<const Colo
   stage.min().head<2>() -= Vec2::Constant(0.06 * box.diagonal().norm());
   stage.max().head<2>() += Vec2::Constant(0.06 * box.diagonal().norm());
   Painter painter(picture, stage);
-  paint_plate(painter, stage);
+  if (!picture.from_below) paint_plate(painter, stage);
   const double steepest = std::cos(picture.critical_angle);
   for (std::size_t i = 0; i < samples.samples.size(); ++i) {
     const SurfaceSample& sample = samples.samples[i];
@@ -118,8 +119,7 @@ std::string draw_orientation(const SurfaceSamples& samples, std::span<const Colo
     const Vec3 normal = picture.turn * sample.normal;
     const bool is_low = point.z() - plate <= near;
     const bool is_under = -normal.z() > steepest;
-    // Seen from above undersides hide behind the part: what needs support shows through.
-    if (painter.is_turned_away(normal) && !is_under) continue;
+    if (painter.is_turned_away(normal)) continue;
     const Color& color = !is_under ? colors[i] : is_low ? kContact : kSupported;
     painter.paint(point, 1.7 * std::sqrt(sample.area), color, is_under ? 0.9 : painter.light_on(normal));
   }

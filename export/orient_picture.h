@@ -11,8 +11,9 @@ namespace lamella {
 struct OrientPicture {
   Mat3 turn = Mat3::Identity();  ///< of the assembly, to the machine's frame
   double critical_angle =
-      45.0 / 180.0 * kPi;  ///< radians: undersides flatter than this are red, what lies on the plate green
-  int width = 560;         ///< pixels
+      45.0 / 180.0 * kPi;   ///< radians: undersides flatter than this are red, what lies on the plate green
+  bool from_below = false;  ///< through the plate, to show what needs support
+  int width = 560;          ///< pixels
   int height = 440;
 };
 

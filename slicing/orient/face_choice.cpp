@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "materials/glob.h"
+#include "slicing/orient/flat_face.h"
 
 namespace lamella {
 
@@ -84,10 +85,9 @@ std::vector<Vec3> plane_normals(const Scene& scene, const std::vector<FaceId>& f
   constexpr double kSame = 1.0 - 1e-12;
   std::vector<Vec3> normals;
   for (const FaceId id : faces) {
-    const Face& face = scene.faces[id];
-    const auto* plane = std::get_if<Plane>(&face.surface);
-    if (plane == nullptr) continue;
-    const Vec3 normal = (face.same_sense ? 1.0 : -1.0) * plane->frame.x.cross(plane->frame.y).normalized();
+    const auto flat = flat_normal(scene.faces[id]);
+    if (!flat) continue;
+    const Vec3 normal = *flat;
     const bool is_new =
         std::none_of(normals.begin(), normals.end(), [&](const Vec3& n) { return n.dot(normal) > kSame; });
     if (is_new) normals.push_back(normal);

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "core/tolerances.h"
+#include "slicing/orient/flat_face.h"
 #include "slicing/orient/sphere.h"
 
 namespace lamella {
@@ -45,17 +46,17 @@ OrientationJudge::OrientationJudge(const Scene& scene, std::span<const SolidId> 
 }
 
 void OrientationJudge::find_planes(const Scene& scene, std::span<const SolidId> solids) {
-  std::map<FaceId, double> areas;
-  for (const SurfaceSample& sample : samples_.samples) areas[sample.face] += sample.area;
+  std::map<FaceId, std::pair<double, Vec3>> areas;  // and a point
+  for (const SurfaceSample& sample : samples_.samples) {
+    auto& [area, point] = areas.try_emplace(sample.face, 0.0, sample.point).first->second;
+    area += sample.area;
+  }
   for (const SolidId solid : solids) {
     for (const ShellId shell : scene.solids[solid].shells) {
       for (const FaceId id : scene.shells[shell].faces) {
-        const Face& face = scene.faces[id];
-        const auto* plane = std::get_if<Plane>(&face.surface);
-        const auto area = areas.find(id);
-        if (plane == nullptr || area == areas.end()) continue;
-        const Vec3 normal = (face.same_sense ? 1.0 : -1.0) * plane->frame.x.cross(plane->frame.y).normalized();
-        planes_.push_back({id, normal, plane->frame.origin, area->second});
+        const auto found = areas.find(id);
+        const auto normal = found == areas.end() ? std::nullopt : flat_normal(scene.faces[id]);
+        if (normal) planes_.push_back({id, *normal, found->second.second, found->second.first});
       }
     }
   }

@@ -7,6 +7,8 @@
 #include <optional>
 #include <type_traits>
 
+#include "slicing/orient/flat_face.h"
+
 namespace lamella {
 
 namespace {
@@ -17,9 +19,7 @@ std::optional<Vec3> axis_of(const Surface& surface) {
   return std::visit(
       [](const auto& s) -> std::optional<Vec3> {
         using T = std::decay_t<decltype(s)>;
-        if constexpr (std::is_same_v<T, Plane>) {
-          return s.frame.x.cross(s.frame.y).stableNormalized();
-        } else if constexpr (std::is_same_v<T, Cylinder> || std::is_same_v<T, Cone> || std::is_same_v<T, Torus>) {
+        if constexpr (std::is_same_v<T, Cylinder> || std::is_same_v<T, Cone> || std::is_same_v<T, Torus>) {
           return s.frame.z.stableNormalized();
         } else if constexpr (std::is_same_v<T, Revolution>) {
           return s.axis_direction.stableNormalized();
@@ -42,7 +42,8 @@ std::vector<Vec3> natural_directions(const Scene& scene, std::span<const SolidId
   for (const SolidId solid : solids) {
     for (const ShellId shell : scene.solids[solid].shells) {
       for (const FaceId face : scene.shells[shell].faces) {
-        auto axis = axis_of(scene.faces[face].surface);
+        auto axis = flat_normal(scene.faces[face]);
+        if (!axis) axis = axis_of(scene.faces[face].surface);
         if (!axis || !axis->allFinite() || !(axis->norm() > 0.5)) continue;
         std::array<long, 3> key{};
         for (int i = 0; i < 3; ++i) key[i] = std::lround((*axis)[i] * 1e9);

@@ -60,10 +60,10 @@ TEST(Orient, WritesAPageWithAPictureOfEachCandidate) {
   for (std::size_t at = page.find("data:image/png;base64,iVBOR"); at != std::string::npos;
        at = page.find("data:image/png;base64,iVBOR", at + 1))
     ++pictures;
-  EXPECT_EQ(pictures, 3U);
+  EXPECT_EQ(pictures, 6U) << "from above and from below";
   EXPECT_THAT(page, HasSubstr("Least height over all orientations: 8.65407 mm"));
   EXPECT_EQ(run_lamella("orient " + connector() + " --page " + connector()).exit_code, 1);
-  EXPECT_EQ(run_lamella("orient " + connector() + " --page /nowhere/o.html").exit_code, 4);
+  EXPECT_EQ(run_lamella("orient " + connector() + " --page " + quoted(folder / "o.html/below")).exit_code, 4);
 }
 
 TEST(Orient, GivesTheSameWithOneThreadAndWithAll) {
@@ -73,7 +73,7 @@ TEST(Orient, GivesTheSameWithOneThreadAndWithAll) {
 
 TEST(Orient, SaysWhenNothingFitsInTheMachine) {
   const TemporaryFolder folder;
-  std::string text = contents(datasets_dir() / "machines/multi_nozzle.xml");
+  std::string text = contents(datasets_dir() / "machines/material_jetting.xml");
   const std::size_t at = text.find("<volume");
   text.replace(at, text.find("/>", at) + 2 - at, "<volume x=\"9\" y=\"9\" z=\"9\"/>");
   write_text(folder / "small.xml", text);

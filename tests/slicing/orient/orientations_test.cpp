@@ -87,6 +87,20 @@ TEST(Orientations, ANamedFaceLiesDown) {
   EXPECT_GT(found.best().figures.contact_area, 0.0);
 }
 
+TEST(Orientations, AFlatBSplineFaceLiesOnThePlateAsAPlaneDoes) {
+  Scene scene = scene_of(add_dome, 3.0, 4.0, 2.0, 0.0);  // no bump: its spline top is flat
+  FaceId top;
+  for (const FaceId id : scene.faces.ids()) {
+    if (std::holds_alternative<BSplineSurface>(scene.faces[id].surface)) top = id;
+  }
+  ASSERT_TRUE(top.valid());
+  OrientationWishes wishes = wishes_of({.height = 1});
+  wishes.down = plane_normals(scene, {top}, "top", "--down");
+  ASSERT_EQ(wishes.down.size(), 1U);
+  EXPECT_NEAR((wishes.down.front() - Vec3::UnitZ()).norm(), 0.0, 1e-12);
+  EXPECT_NEAR(Found(std::move(scene), wishes).best().figures.contact_area, 12.0, 1e-6);
+}
+
 TEST(Orientations, NamesThatAreNotThereAreRefused) {
   const Scene ball = scene_of(add_sphere, 2.0);
   EXPECT_THROW((void)find_named_faces(ball, "#4711", "--down"), InputError);
