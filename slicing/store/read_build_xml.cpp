@@ -337,8 +337,8 @@ void check_header(const XmlElement& root) {
   root.allow_only({"version", "complete", "length_unit", "angle_unit", "mass_unit"},
                   {"sources", "materials", "solids", "orientation", "plan", "layers", "report"});
   const std::string version = root.attribute("version");
-  const bool is_known = version == kPlainVersion || version == kGradedVersion || version == kContourVersion ||
-                        version == kTurnedVersion;
+  const bool is_known =
+      version == kPlainVersion || version == kGradedVersion || version == kContourVersion || version == kTurnedVersion;
   if (root.attribute_or("xmlns", "") != kBuildNamespace || !is_known) {
     refuse(root, "this is not version 1 of the build format", "read it with the version of Lamella that wrote it");
   }

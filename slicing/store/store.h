@@ -12,7 +12,7 @@ namespace lamella {
 
 struct StoreOptions {
   std::uint32_t layers_per_shard = 64;
-  int compression = 1;  ///< deflate level, 0 to 9; higher ones take half as long again for 1 % less
+  int compression = 1;            ///< deflate level, 0 to 9; higher ones take half as long again for 1 % less
   std::optional<Mat3> turn = {};  ///< how the assembly was turned to be built, for the record
 };
 
