@@ -32,6 +32,22 @@ void measure_assembly(const Session& session, Assembly& assembly) {
   assembly.measures = measure_solids(assembly.scene, session.progress(), session.threads());
 }
 
+bool has_bounds(const Assembly& assembly, SolidId id) {
+  constexpr double kFarthest = 1e9;  // mm
+  const Box3& box = assembly.measures[id].bounds;
+  if (box.isEmpty() || !box.min().allFinite() || !box.max().allFinite()) return false;
+  const double reach = box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).maxCoeff();
+  return reach <= kFarthest || is_sliceable(assembly.scene.solids[id].info);
+}
+
+Box3 bounds_of(const Assembly& assembly) {
+  Box3 bounds;
+  for (const SolidId id : assembly.scene.solids.ids()) {
+    if (has_bounds(assembly, id)) bounds.extend(assembly.measures[id].bounds);
+  }
+  return bounds;
+}
+
 bool is_sliceable(const SolidInfo& solid) { return is_closed(solid) && solid.status != SolidStatus::empty; }
 
 void require_solid(const Scene& scene, bool allow_open) {

@@ -32,6 +32,12 @@ struct Assembly {
 /// Fills `measures`.
 void measure_assembly(const Session& session, Assembly& assembly);
 
+/// Bounds of what a run lays its lattice over. Solids that are left out count too, so that they don't depend on
+/// --allow-open; but not where a broken one claims to be larger than 1000 km.
+[[nodiscard]] Box3 bounds_of(const Assembly& assembly);
+/// Whether the solid counts for bounds_of().
+[[nodiscard]] bool has_bounds(const Assembly& assembly, SolidId solid);
+
 /// Whether a run takes the solid without being asked: it is closed, and something is left of it.
 [[nodiscard]] bool is_sliceable(const SolidInfo& solid);
 

@@ -18,6 +18,12 @@ Json json_of(const Vec2& value) { return Json::array({value.x(), value.y()}); }
 
 Json json_of(const Vec3& value) { return Json::array({value.x(), value.y(), value.z()}); }
 
+Json json_of(const Mat3& value) {
+  Json rows = Json::array();
+  for (int i = 0; i < 3; ++i) rows.push_back({value(i, 0), value(i, 1), value(i, 2)});
+  return rows;
+}
+
 Json json_of(const Box3& box) {
   if (box.isEmpty() || !box.min().allFinite() || !box.max().allFinite()) return nullptr;
   return Json::array({json_of(Vec3(box.min())), json_of(Vec3(box.max()))});

@@ -14,6 +14,8 @@ using Json = nlohmann::ordered_json;
 [[nodiscard]] const char* word_of(Severity severity);
 [[nodiscard]] Json json_of(const Vec2& value);
 [[nodiscard]] Json json_of(const Vec3& value);
+/// Three rows.
+[[nodiscard]] Json json_of(const Mat3& value);
 /// [[x,y,z],[x,y,z]], or null when the box is empty or not finite.
 [[nodiscard]] Json json_of(const Box3& box);
 /// {"severity","solid","face","entity","what","hint"}; empty texts become null.

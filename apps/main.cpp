@@ -56,6 +56,7 @@ ExitCode run(int argc, char** argv, Terminal& terminal, CommonOptions& common) {
   program.require_subcommand(1);
   add_info(program, common, action);
   add_slice(program, common, action);
+  add_orient(program, common, action);
   add_ray(program, common, action);
   add_export(program, common, action);
   add_plan(program, common, action);

@@ -4,6 +4,7 @@
 #include "apps/assembly.h"
 #include "apps/dry_run.h"
 #include "apps/options.h"
+#include "apps/orientation.h"
 #include "apps/slice_options.h"
 #include "apps/slice_report.h"
 #include "apps/stopwatch.h"
@@ -15,21 +16,6 @@
 namespace lamella::apps {
 
 namespace {
-
-/// Solids that are left out count for the lattice too, so that it doesn't depend on --allow-open; but not where a
-/// broken one claims to be larger than 1000 km.
-constexpr double kFarthest = 1e9;  // mm
-
-Box3 bounds_of(const Assembly& assembly) {
-  Box3 bounds;
-  for (const SolidId id : assembly.scene.solids.ids()) {
-    const Box3& box = assembly.measures[id].bounds;
-    if (box.isEmpty() || !box.min().allFinite() || !box.max().allFinite()) continue;
-    const double reach = box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).maxCoeff();
-    if (reach <= kFarthest || is_sliceable(assembly.scene.solids[id].info)) bounds.extend(box);
-  }
-  return bounds;
-}
 
 void check_request(const SliceRequest& request) {
   std::vector<std::filesystem::path> places;
@@ -77,12 +63,22 @@ ExitCode finish(const Session& session, const SliceRequest& request, const Slice
   if (code != ExitCode::ok) {
     session.terminal().warn("the error budget is exceeded: the outputs are written but can't be fully trusted");
   }
-  if (session.json()) session.print(slice_json(outcome));
+  if (session.json()) {
+    Json object = slice_json(outcome);
+    if (request.format.turn) object["rotation"] = json_of(*request.format.turn);
+    session.print(object);
+  }
   session.print(slice_text(outcome));
   return code;
 }
 
-ExitCode run(const Session& session, const SliceRequest& request) {
+/// Turns the assembly as --orient asks, and says how.
+void turn_assembly(const Session& session, Assembly& assembly, SliceRequest& request) {
+  request.format.turn = orient_assembly(session, assembly, *request.orient);
+  measure_assembly(session, assembly);
+}
+
+ExitCode run(const Session& session, SliceRequest& request) {
   const Stopwatch total;
   Stopwatch watch;
   Timing timing;
@@ -93,6 +89,7 @@ ExitCode run(const Session& session, const SliceRequest& request) {
   timing.read = watch.lap();
 
   measure_assembly(session, assembly);
+  if (request.orient) turn_assembly(session, assembly, request);
   const LayerPlan plan = plan_layers(bounds_of(assembly), request.plan);
   session.print(lattice_text(plan) + "\n");
   const std::vector<SolidId> solids = choose_solids(assembly.scene, assembly.measures, request.slice.allow_open);

@@ -103,6 +103,8 @@ void add_slice_options(CLI::App& verb) {
       ->expected(0, 1);
   add_value(verb, "--materials", "materials and their rules (default: what the STEP file says)", "M.xml");
   add_value(verb, "--machine", "take pitch and layer height from a machine, where they aren't given", "X.xml");
+  add_value(verb, "--orient", "turn the assembly first: height, or weights as lamella orient takes them", "SPEC");
+  add_orient_options(verb);
   add_overlap_option(verb);
   add_value(verb, "--gap-tolerance", "solids within it touch (default: their faces' own tolerances, at least 1e-6)",
             "MM");
@@ -157,6 +159,13 @@ SliceRequest read_slice_request(CLI::App& verb, const std::vector<std::string>& 
   request.plan = read_plan(verb);
   request.machine = given(verb, "--machine");
   apply_machine(request.machine, request.plan);
+  if (const auto spec = given(verb, "--orient")) {
+    request.orient = read_orient_options(verb, "--orient", *spec);
+    request.orient->plan = request.plan;
+    request.orient->machine = request.machine;
+  } else {
+    refuse_orient_options(verb);
+  }
   request.policy = read_overlap_policy(verb);
   const EngineChoice choice = read_engine_options(verb);
   request.slice.engine = choice.engine.value_or(EngineKind::span);

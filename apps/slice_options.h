@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/orientation.h"
 #include "apps/outputs.h"
 #include "apps/session.h"
 #include "materials/material_table.h"
@@ -26,6 +27,7 @@ struct SliceRequest {
   PlanOptions plan;
   OverlapPolicy policy = OverlapPolicy::priority;
   SliceOptions slice;
+  std::optional<OrientRequest> orient;  ///< how to turn the assembly first
   bool dry_run = false;
 };
 

@@ -136,10 +136,10 @@ class Search {
       queue_.pop();
       if (!worth(cell, false)) break;  // none of the rest is better
       if (is_monotone(cell)) continue;
-      if (boxes >= limits_.max_boxes) return {best_, false};
+      if (boxes >= limits_.max_boxes) return {best_, false, place_};
       examine(cell);
     }
-    return {best_, true};
+    return {best_, true, place_};
   }
 
  private:
@@ -173,13 +173,16 @@ class Search {
     const double value = corner_value(cell, high_u, high_v);
     if (!(value > best_)) return;
     const Vec2 st{high_u ? cell.u.hi : cell.u.lo, high_v ? cell.v.hi : cell.v.lo};
-    if (certain || region_.classify(form_.to_surface(st)) == TrimRegion::Side::inside) best_ = value;
+    if (!certain && region_.classify(form_.to_surface(st)) != TrimRegion::Side::inside) return;
+    best_ = value;
+    place_ = st;
   }
 
   const RationalForm& form_;
   const TrimRegion& region_;
   const ExtremumLimits& limits_;
   double best_;
+  std::optional<Vec2> place_;
   std::priority_queue<Cell> queue_;
 };
 

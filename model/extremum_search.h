@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "core/geometry.h"
 #include "model/rational_form.h"
 #include "model/trim.h"
@@ -16,6 +18,7 @@ struct ExtremumLimits {
 struct Extremum {
   double value = 0.0;
   bool converged = true;
+  std::optional<Vec2> st;  ///< where, in the nets' parameters; nothing if `known` wasn't exceeded
 };
 
 /// Largest value of direction . S over the part of the nets inside `region`, at least `known` (the largest value

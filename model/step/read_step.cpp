@@ -8,6 +8,7 @@
 #include <set>
 
 #include "core/sha256.h"
+#include "model/move_scene.h"
 #include "model/step/assembly_walk.h"
 #include "model/step/convert_solid.h"
 #include "model/step/import_report.h"
@@ -143,16 +144,11 @@ void report_loose(const step::Assembly& assembly, std::vector<Finding>& findings
 }
 
 void check_placements(std::span<const StepPart> parts) {
-  // Rotations from decimal text are orthogonal to its digits.
-  constexpr double kOrthogonal = 1e-9;
   std::size_t count = 0;
   for (const StepPart& part : parts) {
     count += part.placements.size();
     for (const Motion& motion : part.placements) {
-      const bool is_finite = motion.turn.allFinite() && motion.shift.allFinite();
-      const bool is_rotation = (motion.turn * motion.turn.transpose() - Mat3::Identity()).norm() < kOrthogonal &&
-                               motion.turn.determinant() > 0.0;
-      if (is_finite && is_rotation) continue;
+      if (is_rotation(motion.turn) && motion.shift.allFinite()) continue;
       throw InputError("a placement is no rigid motion", part.file.string(), "turn and shift only, in finite numbers");
     }
   }

@@ -7,6 +7,7 @@
 
 #include "core/geometry.h"
 #include "core/progress.h"
+#include "model/motion.h"
 #include "model/scene.h"
 
 namespace lamella {
@@ -15,12 +16,6 @@ struct StepOptions {
   bool heal = true;                              ///< let the import repair what it can; each repair is reported
   std::size_t max_bytes = std::size_t{4} << 30;  ///< larger files are refused
   std::size_t max_faces = 4'000'000;             ///< of all instances; larger assemblies are refused
-};
-
-/// A rigid motion p -> turn p + shift; `turn` is a rotation, `shift` is in mm.
-struct Motion {
-  Mat3 turn = Mat3::Identity();
-  Vec3 shift = Vec3::Zero();
 };
 
 /// A STEP file and where copies of what it holds are placed, in the file's own frame.

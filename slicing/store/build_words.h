@@ -16,6 +16,10 @@ inline constexpr std::array<std::string_view, 5> kPolicyWords{"priority", "error
 inline constexpr std::string_view kPlainVersion = "1";
 inline constexpr std::string_view kGradedVersion = "1.1";
 inline constexpr std::string_view kContourVersion = "1.2";  ///< with contours, graded or not
+inline constexpr std::string_view kTurnedVersion = "1.3";   ///< turned before it was sliced
+
+/// Attributes of <orientation>, row by row.
+inline constexpr std::array<const char*, 9> kTurnNames{"xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz"};
 
 /// Numbers of graded segments, knots and fractions of a layer's lattices.
 inline constexpr std::array<const char*, 3> kMixtureNames{"graded_segments", "knots", "fractions"};

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "core/xml.h"
+#include "model/move_scene.h"
 #include "slicing/store/build_file.h"
 #include "slicing/store/build_words.h"
 
@@ -130,6 +131,16 @@ void read_solids(const XmlElement& parent, BuildInfo& info) {
     if (const auto bounds = element.child("bounds")) solid.bounds = read_bounds(*bounds);
     info.solids.push_back(std::move(solid));
   }
+}
+
+Mat3 read_turn(const XmlElement& element) {
+  element.allow_only({kTurnNames[0], kTurnNames[1], kTurnNames[2], kTurnNames[3], kTurnNames[4], kTurnNames[5],
+                      kTurnNames[6], kTurnNames[7], kTurnNames[8]},
+                     {});
+  Mat3 turn;
+  for (int i = 0; i < 9; ++i) turn(i / 3, i % 3) = element.number(kTurnNames[i]);
+  if (!is_rotation(turn)) refuse(element, "the orientation is no rotation");
+  return turn;
 }
 
 Grid read_grid(const XmlElement& element) {
@@ -324,9 +335,10 @@ void read_report(const XmlElement& parent, BuildFile& build) {
 
 void check_header(const XmlElement& root) {
   root.allow_only({"version", "complete", "length_unit", "angle_unit", "mass_unit"},
-                  {"sources", "materials", "solids", "plan", "layers", "report"});
+                  {"sources", "materials", "solids", "orientation", "plan", "layers", "report"});
   const std::string version = root.attribute("version");
-  const bool is_known = version == kPlainVersion || version == kGradedVersion || version == kContourVersion;
+  const bool is_known =
+      version == kPlainVersion || version == kGradedVersion || version == kContourVersion || version == kTurnedVersion;
   if (root.attribute_or("xmlns", "") != kBuildNamespace || !is_known) {
     refuse(root, "this is not version 1 of the build format", "read it with the version of Lamella that wrote it");
   }
@@ -347,6 +359,7 @@ BuildFile read_build_xml(const std::filesystem::path& path) {
   read_sources(only_child(root, "sources"), build.info);
   read_materials(only_child(root, "materials"), build.info);
   read_solids(only_child(root, "solids"), build.info);
+  if (const auto element = root.child("orientation")) build.turn = read_turn(*element);
   read_plan(only_child(root, "plan"), build.info);
   read_layers(only_child(root, "layers"), build);
   read_report(only_child(root, "report"), build);

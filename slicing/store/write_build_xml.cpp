@@ -156,7 +156,16 @@ void write_report(XmlWriter& xml, const SliceReport& report) {
   xml.end();
 }
 
-std::string_view version_of(const BuildInfo& info) {
+void write_turn(XmlWriter& xml, const std::optional<Mat3>& turn) {
+  if (!turn) return;
+  xml.start("orientation");
+  for (int i = 0; i < 9; ++i) xml.attribute(kTurnNames[i], (*turn)(i / 3, i % 3));
+  xml.end();
+}
+
+std::string_view version_of(const BuildFile& build) {
+  const BuildInfo& info = build.info;
+  if (build.turn) return kTurnedVersion;
   if (info.plan.chord_error) return kContourVersion;
   return is_graded(info) ? kGradedVersion : kPlainVersion;
 }
@@ -178,12 +187,13 @@ std::string write_build_xml(const BuildFile& build, bool is_complete) {
   XmlWriter xml(text);
   xml.start("build")
       .attribute("xmlns", kBuildNamespace)
-      .attribute("version", version_of(build.info))
+      .attribute("version", version_of(build))
       .attribute("complete", word_for(is_complete));
   xml.attribute("length_unit", "mm").attribute("angle_unit", "rad").attribute("mass_unit", "g");
   write_sources(xml, build.info);
   write_materials(xml, build.info);
   write_solids(xml, build.info);
+  write_turn(xml, build.turn);
   write_plan(xml, build.info);
   if (is_complete) {
     write_layers(xml, build);

@@ -50,6 +50,15 @@ TEST(Cancel, IsJsonToo) {
   EXPECT_THAT(result.output, HasSubstr("\"code\":130"));
 }
 
+TEST(Cancel, AlsoStopsTheSearchForAnOrientation) {
+  const TemporaryFolder folder;
+  const CommandResult result =
+      interrupt("orient " + quoted(datasets_dir() / "nested_spheres/nested_spheres.step") + " --gap 1e-9", "sleep 1.5",
+                "kill -INT $pid");
+  EXPECT_THAT(result.output, HasSubstr("exit 130")) << result.errors;
+  EXPECT_THAT(result.errors, HasSubstr("lamella: error: cancelled"));
+}
+
 TEST(Progress, ALongRunSpeaksWithinItsFirstSecondAndNotTooOften) {
   const TemporaryFolder folder;
   const CommandResult result = interrupt(long_run(folder), "sleep 3", "kill -INT $pid");

@@ -12,7 +12,7 @@ using ::testing::MatchesRegex;
 using ::testing::StartsWith;
 
 TEST(Help, EveryVerbHasExamples) {
-  for (const std::string verb : {"info", "slice", "ray", "export", "plan", "view", "check"}) {
+  for (const std::string verb : {"info", "slice", "orient", "ray", "export", "plan", "view", "check"}) {
     const CommandResult help = run_lamella(verb + " --help");
     EXPECT_EQ(help.exit_code, 0) << verb;
     EXPECT_THAT(help.output, HasSubstr("Examples:\n  lamella " + verb + " ")) << verb;

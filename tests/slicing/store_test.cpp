@@ -178,6 +178,21 @@ TEST(Store, WritesABuildXmlThatItsSchemaAccepts) {
   EXPECT_EQ(std::system(command.c_str()), 0);
 }
 
+TEST(Store, RecordsHowTheAssemblyWasTurned) {
+  const TemporaryFolder folder;
+  const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3(1.0, 2.0, 3.0).normalized()).toRotationMatrix();
+  write_sample(make_sample(), folder / "turned", {.turn = turn});
+  write_sample(make_sample(), folder / "plain");
+  ASSERT_TRUE(StoreReader(folder / "turned").turn().has_value());
+  EXPECT_EQ(*StoreReader(folder / "turned").turn(), turn);
+  EXPECT_FALSE(StoreReader(folder / "plain").turn().has_value());
+  std::string text = read_file(folder / "turned/build.xml");
+  const std::size_t at = text.find(" xx=\"") + 5;
+  text.replace(at, text.find('"', at) - at, "0.5");
+  write_file(folder / "turned/build.xml", text);
+  EXPECT_THROW((void)StoreReader(folder / "turned"), InputError) << "no rotation";
+}
+
 TEST(Store, RefusesAFolderThatHoldsSomethingElse) {
   const TemporaryFolder folder;
   write_file(folder / "photos/layers/000001.h5", "mine");
