@@ -1,5 +1,6 @@
 #include "apps/slice_options.h"
 
+#include "apps/adaptive_options.h"
 #include "apps/engine_options.h"
 #include "apps/job.h"
 #include "apps/machine_options.h"
@@ -91,6 +92,7 @@ void add_slice_options(CLI::App& verb) {
   add_value(verb, "-o,--output", "folder of the build (the layers, as HDF5 and XML)", "BUILD");
   add_value(verb, "--job", "parts, placements and any of these options from a file", "J.xml");
   add_value(verb, "--layer-height", "mm (default: about 500 layers on the larger extent)", "MM");
+  add_adaptive_options(verb);
   add_value(verb, "--pitch", "pitch of the raster, both axes or x,y (default: about 1000 rows)", "MM[,MM]");
   add_value(verb, "--dpi", "the same as dots per inch", "DPI[,DPI]");
   add_value(verb, "--origin", "lower corner of the first voxel, mm (default: the lower bounds)", "X,Y,Z");
@@ -153,7 +155,9 @@ SliceRequest read_slice_request(CLI::App& verb, const std::vector<std::string>& 
   check_format_options(request.format, request.outputs);
   request.plan = read_plan(verb);
   request.machine = given(verb, "--machine");
-  apply_machine(request.machine, request.plan);
+  request.adaptive = read_adaptive_options(verb);
+  request.adaptive_chart = given(verb, "--adaptive-chart");
+  apply_machine(request.machine, request.plan, request.adaptive);
   request.policy = read_overlap_policy(verb);
   const EngineChoice choice = read_engine_options(verb);
   request.slice.engine = choice.engine.value_or(EngineKind::span);

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <vector>
+
+#include "slicing/adaptive/face_slants.h"
+
+namespace lamella {
+
+/// Parts that cover an edge, given by one of its half-edges, with bounds of the slant of what lies between the normals
+/// of its two faces (eq. 4). Where `known`, the slants of the faces, has as much anyway, parts may be long and bounds
+/// coarse. An edge without a twin may be slanted in any way.
+[[nodiscard]] std::vector<Slant> edge_slants(const Scene& scene, HalfEdgeId half_edge, const FaceSlants& face,
+                                             const FaceSlants* neighbor, const SlantProfile& known);
+
+/// The face's parameters on a half-edge at a share, in [0, 1], of its edge's range.
+[[nodiscard]] Vec2 parameters_at(const Scene& scene, HalfEdgeId half_edge, double share);
+
+}  // namespace lamella
