@@ -11,7 +11,7 @@ namespace lamella::apps {
 
 namespace {
 
-const char* word_of(FlatKind kind) {
+const char* kind_word(FlatKind kind) {
   switch (kind) {
     case FlatKind::extremum:
       return "extremum";
@@ -51,7 +51,7 @@ Json features_json(const AdaptivePlan& plan, const Assembly& assembly) {
   Json out = Json::array();
   for (const MetFeature& met : plan.features) {
     out.push_back({{"z", met.feature.z},
-                   {"kind", word_of(met.feature.kind)},
+                   {"kind", kind_word(met.feature.kind)},
                    {"solid", met.feature.solid.value()},
                    {"path", assembly.scene.solids[met.feature.solid].info.path},
                    {"count", met.feature.count},
@@ -61,7 +61,7 @@ Json features_json(const AdaptivePlan& plan, const Assembly& assembly) {
   return out;
 }
 
-Json materials_json(const AdaptivePlan& plan, const Assembly& assembly) {
+Json limits_json(const AdaptivePlan& plan, const Assembly& assembly) {
   Json out = Json::array();
   for (const MaterialId id : plan.materials.ids()) {
     const MaterialDeviation& material = plan.materials[id];
@@ -91,7 +91,7 @@ Json adaptive_json(const AdaptivePlan& plan, const Assembly& assembly, double de
           {"greedy_layers", value_or_null(plan.greedy_layers)},
           {"uniform_layers", value_or_null(plan.uniform_layers)},
           {"uniform_thickness", value_or_null(plan.uniform_thickness)},
-          {"materials", materials_json(plan, assembly)},
+          {"materials", limits_json(plan, assembly)},
           {"missed", plan.missed},
           {"features", features_json(plan, assembly)},
           {"thicknesses", runs_json(plan)}};
@@ -141,7 +141,7 @@ std::vector<Finding> adaptive_findings(const AdaptivePlan& plan, const Assembly&
          assembly.scene.solids[met.feature.solid].info.path,
          {},
          {},
-         fmt::format("no layer ends at the {} at z = {:.6g} mm, but {:.4g} mm {} it", word_of(met.feature.kind),
+         fmt::format("no layer ends at the {} at z = {:.6g} mm, but {:.4g} mm {} it", kind_word(met.feature.kind),
                      met.feature.z, std::abs(met.offset), met.offset > 0.0 ? "above" : "below"),
          "allow thinner layers: --adaptive-range"});
   }

@@ -1,0 +1,68 @@
+#include <gtest/gtest.h>
+
+#include "slicing/adaptive/adaptive_plan.h"
+#include "slicing/slicer.h"
+#include "tests/slicing/adaptive/occt_deviation.h"
+#include "tests/support/step_scenes.h"
+
+namespace lamella::test {
+namespace {
+
+struct Planned {
+  std::vector<double> borders;
+  double tolerance = 0.0;
+};
+
+/// Adaptive layers of a file at a tolerance that suits its height.
+Planned plan_file(const std::filesystem::path& file) {
+  const Scene scene = read_scene(file);
+  MaterialTable table;
+  table.materials.push_back({"Resin", std::nullopt});
+  for (std::size_t s = 0; s < scene.solids.size(); ++s) table.assignments.push_back({MaterialId{0}, 0, "test"});
+  const auto measures = measure_solids(scene);
+  const auto solids = choose_solids(scene, measures, false);
+  Box3 box;
+  for (const SolidId id : solids) box.extend(measures[id].bounds);
+  AdaptiveOptions options;
+  options.deviation = box.sizes().z() / 200.0;
+  const AdaptivePlan plan = plan_adaptive_layers(scene, table, measures, solids, box.min().z(), options);
+  EXPECT_LE(plan.largest_deviation, options.deviation + 1e-9);
+  EXPECT_LE(plan.layers.size(), plan.greedy_layers.value_or(plan.layers.size()));
+  Planned planned{{plan.layers.front().z_bottom}, options.deviation};
+  for (const LayerSpan& layer : plan.layers) planned.borders.push_back(layer.z_top);
+  return planned;
+}
+
+class AdaptiveDeviation : public ::testing::TestWithParam<std::filesystem::path> {};
+
+// Nothing of the planner judges it: OpenCASCADE reads the file, cuts it, and measures from points of the extruded
+// sections to the surface.
+TEST_P(AdaptiveDeviation, StaysWithinTheToleranceByOpenCascade) {
+  const Planned planned = plan_file(GetParam());
+  const MeasuredDeviation found = measure_deviation(GetParam(), planned.borders, {.samples = 300, .seconds = 2.0});
+  EXPECT_GT(found.built_samples, 50U);
+  EXPECT_GT(found.surface_samples, 20U);
+  EXPECT_GT(found.built, 0.0);
+  EXPECT_LE(found.built, planned.tolerance) << found.built_at.transpose();
+  RecordProperty("built", std::to_string(found.built / planned.tolerance));
+  RecordProperty("surface", std::to_string(found.surface / planned.tolerance));
+}
+
+std::vector<std::filesystem::path> files() {
+  std::vector<std::filesystem::path> out;
+  for (const char* name :
+       {"bone_screw", "mirrored_brackets", "nested_spheres", "overmoulded_grip", "turbine_blade_16"}) {
+    out.push_back(datasets_dir() / name / (std::string(name) + ".step"));
+  }
+  for (const char* name : {"free_c2d_curved_extrude.stp", "free_geouned_torus.stp", "mech_netgen_screw.step",
+                           "mech_trimesh_featuretype.step"}) {
+    if (std::filesystem::exists(corpus_dir() / name)) out.push_back(corpus_dir() / name);
+  }
+  return out;
+}
+
+INSTANTIATE_TEST_SUITE_P(Files, AdaptiveDeviation, ::testing::ValuesIn(files()),
+                         [](const auto& info) { return test_name(info.param); });
+
+}  // namespace
+}  // namespace lamella::test

@@ -1,5 +1,5 @@
-// How far layers are from the solids of a STEP file, by OpenCASCADE: `measure_deviation FILE BORDERS [SAMPLES [SECONDS]]`,
-// BORDERS a text file of heights in mm, ascending. Prints one line of JSON. bench/adaptive_run.py uses it.
+// How far layers are from the solids of a STEP file, by OpenCASCADE: `measure_deviation FILE BORDERS [SAMPLES
+// [SECONDS]]`, BORDERS a text file of heights in mm, ascending. Prints one line of JSON. bench/adaptive_run.py uses it.
 
 #include <cstdio>
 #include <cstdlib>

@@ -1,32 +1,32 @@
 #include "tests/slicing/adaptive/occt_deviation.h"
 
-#include <algorithm>
-#include <BRep_Builder.hxx>
-#include <BRep_Tool.hxx>
 #include <BRepAdaptor_Curve.hxx>
 #include <BRepBndLib.hxx>
 #include <BRepBuilderAPI_MakeVertex.hxx>
 #include <BRepClass3d_SolidClassifier.hxx>
 #include <BRepExtrema_DistShapeShape.hxx>
 #include <BRepMesh_IncrementalMesh.hxx>
+#include <BRep_Builder.hxx>
+#include <BRep_Tool.hxx>
 #include <Bnd_Box.hxx>
-#include <chrono>
-#include <cmath>
 #include <Geom_Surface.hxx>
-#include <gp_Lin.hxx>
 #include <IntCurvesFace_ShapeIntersector.hxx>
-#include <limits>
 #include <Poly_Triangulation.hxx>
-#include <random>
-#include <stdexcept>
 #include <STEPControl_Reader.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopLoc_Location.hxx>
+#include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Compound.hxx>
 #include <TopoDS_Face.hxx>
-#include <TopTools_IndexedMapOfShape.hxx>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <gp_Lin.hxx>
+#include <limits>
+#include <random>
+#include <stdexcept>
 
 namespace lamella::test {
 
@@ -51,7 +51,8 @@ class SolidMeter {
       : solid_(solid), borders_(borders), random_(seed), classifier_(solid) {
     BRep_Builder builder;
     builder.MakeCompound(boundary_);
-    for (TopExp_Explorer shell(solid, TopAbs_SHELL); shell.More(); shell.Next()) builder.Add(boundary_, shell.Current());
+    for (TopExp_Explorer shell(solid, TopAbs_SHELL); shell.More(); shell.Next())
+      builder.Add(boundary_, shell.Current());
     caster_.Load(boundary_, 1e-9);
     Bnd_Box box;
     BRepBndLib::AddOptimal(solid, box, false, false);
