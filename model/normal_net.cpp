@@ -146,12 +146,6 @@ NormalNet normal_net(const BezierPatch& patch) {
   return out;
 }
 
-std::pair<NormalNet, NormalNet> halves(const NormalNet& net, bool along_u) {
-  std::pair<NormalNet, NormalNet> out;
-  split(net, along_u, 0.5, out.first, out.second);
-  return out;
-}
-
 NormalNet restrict_to(const NormalNet& net, Interval u, Interval v) {
   NormalNet out = net;
   restrict_along(out, true, u);
@@ -159,40 +153,81 @@ NormalNet restrict_to(const NormalNet& net, Interval u, Interval v) {
   return out;
 }
 
-SlantRange slant_range(const NormalNet& net) {
-  const NormalCone cone = cone_of(net);
-  SlantRange range{largest_slant(cone), 1.0, 0.0};
-  // |N_z| <= c a.N for every vector of the net is the same for every normal, and a.N <= |N| for a unit vector a.
-  if (cone.half_angle < 0.5 * kPi) {
-    double ratio = 0.0;
-    for (const Vec3& d : net.net) {
-      if (d.norm() > net.rounding) ratio = std::max(ratio, std::abs(d.z()) / cone.axis.dot(d));
+SlantNet slant_net(const NormalNet& normals) {
+  Polynomial<Vec3> n(normals.degree_u, normals.degree_v, Vec3::Zero());
+  n.net = normals.net;
+  auto rising = multiply(n, n, [](const Vec3& a, const Vec3& b) { return a.z() * b.z(); });
+  auto squared = multiply(n, n, [](const Vec3& a, const Vec3& b) { return a.dot(b); });
+  const double largest = *std::max_element(squared.net.begin(), squared.net.end());
+  const double length = std::sqrt(std::max(0.0, largest));
+  return {rising.degree_u,
+          rising.degree_v,
+          normals.u,
+          normals.v,
+          std::move(rising.net),
+          std::move(squared.net),
+          1e-15 * largest + normals.rounding * std::min(length, normals.rounding)};
+}
+
+std::pair<SlantNet, SlantNet> halves(const SlantNet& net, bool along_u) {
+  std::pair<SlantNet, SlantNet> out{net, net};
+  const int stride = net.degree_v + 1;
+  const auto split = [&](std::vector<double>& first, std::vector<double>& second) {
+    if (along_u) {
+      for (int j = 0; j < stride; ++j) split_in_place(&first[j], &second[j], net.degree_u, stride, 0.5);
+    } else {
+      for (int i = 0; i <= net.degree_u; ++i) {
+        split_in_place(&first[i * stride], &second[i * stride], net.degree_v, 1, 0.5);
+      }
     }
-    range.bound = std::min(range.bound, ratio + 1e-15);
+  };
+  split(out.first.rising, out.second.rising);
+  split(out.first.squared, out.second.squared);
+  if (along_u) {
+    out.first.u.hi = out.second.u.lo = net.u.middle();
+  } else {
+    out.first.v.hi = out.second.v.lo = net.v.middle();
   }
+  return out;
+}
+
+SlantRange slant_range(const SlantNet& net) {
+  // N_z^2 <= c |N|^2 for every pair of coefficients is the same for the polynomials, which are combinations of them.
+  double most = 0.0;
+  bool is_known = false;
+  for (std::size_t k = 0; k < net.rising.size(); ++k) {
+    if (net.squared[k] > net.rounding) {
+      is_known = true;
+      most = std::max(most, net.rising[k] / net.squared[k]);
+    } else if (net.squared[k] < -net.rounding || net.rising[k] > net.rounding) {
+      most = 1.0;
+    }
+  }
+  SlantRange range;
+  if (is_known) range.bound = std::sqrt(std::clamp(most, 0.0, 1.0));
   const std::size_t stride = static_cast<std::size_t>(net.degree_v) + 1;
-  const std::size_t last_row = net.net.size() - stride;
-  for (const std::size_t corner : {std::size_t{0}, stride - 1, last_row, net.net.size() - 1}) {
-    const double length = net.net[corner].norm();
-    if (!(length > net.rounding)) continue;
-    range.least_corner = std::min(range.least_corner, std::abs(net.net[corner].z()) / length);
-    range.most_corner = std::max(range.most_corner, std::abs(net.net[corner].z()) / length);
+  const std::size_t last_row = net.rising.size() - stride;
+  for (const std::size_t corner : {std::size_t{0}, stride - 1, last_row, net.rising.size() - 1}) {
+    if (!(net.squared[corner] > net.rounding)) continue;
+    const double slant = std::sqrt(std::clamp(net.rising[corner] / net.squared[corner], 0.0, 1.0));
+    range.least_corner = std::min(range.least_corner, slant);
+    range.most_corner = std::max(range.most_corner, slant);
   }
   return range;
 }
 
-bool turns_more_in_u(const NormalNet& net) {
-  const auto at = [&](int i, int j) -> const Vec3& {
-    return net.net[static_cast<std::size_t>(i) * (net.degree_v + 1) + j];
+bool changes_more_in_u(const SlantNet& net) {
+  const auto ratio = [&](int i, int j) {
+    const std::size_t k = static_cast<std::size_t>(i) * (net.degree_v + 1) + j;
+    return net.squared[k] > net.rounding ? std::clamp(net.rising[k] / net.squared[k], -1.0, 2.0) : -2.0;
   };
   double in_u = 0.0;
   double in_v = 0.0;
+  const auto difference = [](double a, double b) { return a < -1.5 || b < -1.5 ? 0.0 : std::abs(a - b); };
   for (int i = 0; i <= net.degree_u; ++i) {
     for (int j = 0; j <= net.degree_v; ++j) {
-      const double own = at(i, j).norm() + net.rounding;
-      if (!(own > 0.0)) continue;
-      if (i > 0) in_u = std::max(in_u, net.degree_u * at(i, j).cross(at(i - 1, j)).norm() / (own * own));
-      if (j > 0) in_v = std::max(in_v, net.degree_v * at(i, j).cross(at(i, j - 1)).norm() / (own * own));
+      if (i > 0) in_u = std::max(in_u, net.degree_u * difference(ratio(i, j), ratio(i - 1, j)));
+      if (j > 0) in_v = std::max(in_v, net.degree_v * difference(ratio(i, j), ratio(i, j - 1)));
     }
   }
   return in_u >= in_v;

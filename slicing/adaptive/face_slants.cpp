@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <limits>
+#include <tuple>
+#include <utility>
 
 #include "model/bounds.h"
 #include "model/de_casteljau.h"
@@ -12,7 +15,7 @@ namespace lamella {
 
 namespace {
 
-constexpr std::size_t kMaxCells = 100000;
+constexpr std::size_t kMaxCells = 50000;
 constexpr int kMaxDepth = 40;
 /// Of the face's height: parts at its border are no higher than the larger of this and what is asked for.
 constexpr double kBorderPart = 1.0 / 512.0;
@@ -21,18 +24,18 @@ constexpr double kNoSlant = 1e-9;
 /// Of a parameter's size: parameters are padded by it, as rounding of pcurves may lead out of the face's bounds.
 constexpr double kPadding = 1e-9;
 
-/// A part of a patch: heights as (w z, w) and normals.
+/// A part of a patch: heights as (w z, w) and slants.
 struct Cell {
   int degree_u = 0;
   int degree_v = 0;
   std::vector<Vec2> heights;
-  NormalNet normals;
+  SlantNet slants;
   bool is_inside = false;  ///< no border within
   int depth = 0;
 };
 
 Cell make_cell(const BezierPatch& patch, const NormalNet& normals) {
-  Cell cell{patch.degree_u, patch.degree_v, {}, normals};
+  Cell cell{patch.degree_u, patch.degree_v, {}, slant_net(normals)};
   cell.heights.reserve(patch.net.size());
   for (const Vec4& p : patch.net) cell.heights.emplace_back(p[2], p[3]);
   return cell;
@@ -63,7 +66,7 @@ bool rises_more_in_u(const Cell& cell) {
 
 std::pair<Cell, Cell> halve(const Cell& cell, bool along_u) {
   std::pair<Cell, Cell> out{cell, cell};
-  std::tie(out.first.normals, out.second.normals) = halves(cell.normals, along_u);
+  std::tie(out.first.slants, out.second.slants) = halves(cell.slants, along_u);
   const int stride = cell.degree_v + 1;
   if (along_u) {
     for (int j = 0; j < stride; ++j) {
@@ -131,22 +134,22 @@ std::vector<Slant> FaceSlants::parts(double resolution) const {
   }
   const double border_part = std::max(resolution, kBorderPart * heights_.length());
   std::vector<Slant> out;
-  std::vector<Cell> open;
+  std::deque<Cell> open;  // all of a size before their halves, so that too much work leaves all coarse alike
   std::size_t cells = 0;
   for (std::size_t p = 0; p < nets_.size(); ++p) open.push_back(make_cell(form_.patches[p], nets_[p]));
   while (!open.empty()) {
-    Cell cell = std::move(open.back());
-    open.pop_back();
+    Cell cell = std::move(open.front());
+    open.pop_front();
     ++cells;
     if (!cell.is_inside) {
-      const Vec2 lo = form_.to_surface({cell.normals.u.lo, cell.normals.v.lo});
-      const Vec2 hi = form_.to_surface({cell.normals.u.hi, cell.normals.v.hi});
+      const Vec2 lo = form_.to_surface({cell.slants.u.lo, cell.slants.v.lo});
+      const Vec2 hi = form_.to_surface({cell.slants.u.hi, cell.slants.v.hi});
       const auto side = region_.classify(0.5 * (lo + hi), 0.5 * (hi - lo));
       if (side == TrimRegion::Side::outside) continue;
       cell.is_inside = side == TrimRegion::Side::inside;
     }
     const Interval z = height_range(cell);
-    const SlantRange slant = slant_range(cell.normals);
+    const SlantRange slant = slant_range(cell.slants);
     if (slant.bound <= kNoSlant) continue;
     const bool is_bounded = slant.bound <= slant.most_corner + kSlantAccuracy;
     const bool is_even = is_bounded && slant.bound <= slant.least_corner + kSlantAccuracy;
@@ -156,7 +159,7 @@ std::vector<Slant> FaceSlants::parts(double resolution) const {
       out.push_back({clipped(z, heights_), slant.bound});
       continue;
     }
-    auto [first, second] = halve(cell, is_even ? rises_more_in_u(cell) : turns_more_in_u(cell.normals));
+    auto [first, second] = halve(cell, is_even ? rises_more_in_u(cell) : changes_more_in_u(cell.slants));
     open.push_back(std::move(first));
     open.push_back(std::move(second));
   }

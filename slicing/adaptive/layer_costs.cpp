@@ -1,6 +1,7 @@
 #include "slicing/adaptive/layer_costs.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/error.h"
 #include "core/xml.h"
@@ -12,7 +13,9 @@ namespace {
 constexpr double kRounding = 5e-7;  // mm, of thicknesses that are typed as decimals
 constexpr double kTouch = 1e-9;     // mm, of heights
 
-std::string mm(double value) { return format_double(std::round(value * 1e6) * 1e-6) + " mm"; }
+/// To a nanometre, in the fewest digits.
+std::string number(double value) { return format_double(std::round(value * 1e6) / 1e6); }
+std::string mm(double value) { return number(value) + " mm"; }
 
 }  // namespace
 
@@ -56,7 +59,7 @@ bool LayerCosts::accepts(std::size_t border, std::size_t thickness) const {
 std::string LayerCosts::demand(MaterialId material, std::size_t border) const {
   const MaterialLayers& asked = rules_.materials[material];
   const std::string name = "'" + table_.materials[material].name + "'";
-  std::string text = name + " takes " + mm(asked.thickness.lo) + " to " + mm(asked.thickness.hi);
+  std::string text = name + " takes " + number(asked.thickness.lo) + " to " + mm(asked.thickness.hi);
   double most = 0.0;
   for (const std::size_t t : rules_.thicknesses) {
     if (deviation(material, border, t) <= asked.deviation + kTouch) most = static_cast<double>(t) * rules_.quantum;

@@ -62,7 +62,7 @@ std::vector<std::filesystem::path> files() {
 }
 
 INSTANTIATE_TEST_SUITE_P(Files, AdaptiveDeviation, ::testing::ValuesIn(files()),
-                         [](const auto& info) { return test_name(info.param); });
+                         [](const auto& one) { return test_name(one.param); });
 
 }  // namespace
 }  // namespace lamella::test

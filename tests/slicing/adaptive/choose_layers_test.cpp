@@ -90,7 +90,9 @@ TEST(ChooseLayers, NeverNeedsMoreLayersThanTheGreedySchemeAndSometimesFewer) {
       continue;
     }
     EXPECT_LE(best->missed, greedy->missed);
-    if (best->missed == greedy->missed) EXPECT_LE(best->layers(), greedy->layers());
+    if (best->missed == greedy->missed) {
+      EXPECT_LE(best->layers(), greedy->layers());
+    }
     if (best->missed < greedy->missed || best->layers() < greedy->layers()) ++fewer;
   }
   EXPECT_GT(fewer, 0);

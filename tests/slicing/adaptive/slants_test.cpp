@@ -49,6 +49,12 @@ AdaptivePlan plan_of(const Scene& scene, const MaterialTable& table, const Adapt
   return plan_adaptive_layers(scene, table, measures, all_solids(scene), lowest(measures), options);
 }
 
+SolidOptions moved(const Vec3& by) {
+  SolidOptions options;
+  options.placement = Placement::at(by);
+  return options;
+}
+
 AdaptiveOptions options_of(double deviation, double least, double most, double step) {
   AdaptiveOptions options;
   options.deviation = deviation;
@@ -112,7 +118,8 @@ TEST(Slants, OfUprightWallsAreNoneAndFlatEndsAreFeatures) {
 
 TEST(Slants, OfAFrustumAreThatOfItsWall) {
   const Scene scene = scene_of(add_frustum, 4.0, 1.0, 6.0);
-  const SlantProfile& profile = *slants_of(scene, 0.1, 0.0, 60).profiles[MaterialId{0}];
+  const ModelSlants slants = slants_of(scene, 0.1, 0.0, 60);
+  const SlantProfile& profile = *slants.profiles[MaterialId{0}];
   const double exact = 3.0 / std::hypot(3.0, 6.0);
   for (std::size_t bin = 1; bin < 59; ++bin) EXPECT_NEAR(profile.slant(bin), exact, 0.01) << bin;
 }
@@ -129,7 +136,8 @@ TEST(Slants, CountWhatLiesBetweenTheNormalsAtEdges) {
   const double bottom = measures[SolidId{0}].bounds.min().z();
   const double top = measures[SolidId{0}].bounds.max().z();
   ASSERT_NEAR(top - bottom, 3.0 * std::sqrt(3.0), 1e-9);
-  const SlantProfile& profile = *slants_of(scene, 0.01, bottom, 520).profiles[MaterialId{0}];
+  const ModelSlants slants = slants_of(scene, 0.01, bottom, 520);
+  const SlantProfile& profile = *slants.profiles[MaterialId{0}];
   // Upper edges from two thirds of the height on, lower ones up to a third; in between edges join an upper and a lower
   // face and what lies between their normals is less slanted than they are.
   EXPECT_NEAR(profile.slant(50), std::sqrt(2.0 / 3.0), 0.01);
@@ -175,7 +183,7 @@ TEST_P(SlantsOfFiles, BoundTheNormalsOfRandomPoints) {
 }
 
 INSTANTIATE_TEST_SUITE_P(DataSets, SlantsOfFiles, ::testing::ValuesIn(dataset_files()),
-                         [](const auto& info) { return test_name(info.param); });
+                         [](const auto& file) { return test_name(file.param); });
 
 TEST(AdaptivePlan, KeepsTheToleranceOfASphereWithFewerLayers) {
   const Scene scene = scene_of(add_sphere, 5.0);
@@ -185,7 +193,9 @@ TEST(AdaptivePlan, KeepsTheToleranceOfASphereWithFewerLayers) {
   EXPECT_NEAR(plan.layers.back().z_top, 5.0, 0.01 + 1e-9);
   for (std::size_t k = 0; k < plan.layers.size(); ++k) {
     const LayerSpan& layer = plan.layers[k];
-    if (k > 0) EXPECT_EQ(layer.z_bottom, plan.layers[k - 1].z_top);
+    if (k > 0) {
+      EXPECT_EQ(layer.z_bottom, plan.layers[k - 1].z_top);
+    }
     EXPECT_DOUBLE_EQ(layer.z_sample, 0.5 * (layer.z_bottom + layer.z_top));
     const double quanta = (layer.z_top - layer.z_bottom) / plan.quantum;
     EXPECT_NEAR(quanta, std::round(quanta), 1e-6);
@@ -221,8 +231,8 @@ TEST(AdaptivePlan, SaysWhichFlatFacesItMisses) {
 
 TEST(AdaptivePlan, KeepsEachMaterialsOwnTolerance) {
   Scene scene;
-  add_sphere(scene, 5.0, {.placement = Placement::at({0, 0, 0})});
-  add_sphere(scene, 5.0, {.placement = Placement::at({20, 0, 0}), .name = "other"});
+  add_sphere(scene, 5.0, moved({0, 0, 0}));
+  add_sphere(scene, 5.0, moved({20, 0, 0}));
   MaterialTable table = table_for(scene, true);
   const AdaptiveOptions options = options_of(0.1, 0.02, 0.4, 0.01);
   const AdaptivePlan loose = plan_of(scene, table, options);
@@ -248,7 +258,7 @@ std::string refusal(const Call& call) {
 TEST(AdaptivePlan, NamesTheTwoMaterialsThatClashAndWhere) {
   Scene scene;
   add_box(scene, Vec3(0, 0, 0), Vec3(9, 9, 10));
-  add_box(scene, Vec3(20, 0, 4), Vec3(29, 9, 10), {.name = "other"});
+  add_box(scene, Vec3(20, 0, 4), Vec3(29, 9, 10), moved({0, 0, 0}));
   MaterialTable table = table_for(scene, true);
   table.materials[MaterialId{0}].name = "Thick";
   table.materials[MaterialId{0}].layers.least = 0.3;
