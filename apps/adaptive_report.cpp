@@ -89,9 +89,11 @@ Json adaptive_json(const AdaptivePlan& plan, const Assembly& assembly, double de
           {"largest_deviation", plan.largest_deviation},
           {"mean_deviation", plan.mean_deviation},
           {"greedy_layers", value_or_null(plan.greedy_layers)},
+          {"greedy_missed", plan.greedy_missed},
           {"uniform_layers", value_or_null(plan.uniform_layers)},
           {"uniform_thickness", value_or_null(plan.uniform_thickness)},
           {"materials", limits_json(plan, assembly)},
+          {"sharp_edges", plan.sharp_edges},
           {"missed", plan.missed},
           {"features", features_json(plan, assembly)},
           {"thicknesses", runs_json(plan)}};
@@ -120,6 +122,9 @@ std::string adaptive_text(const AdaptivePlan& plan, const Assembly& assembly, do
   out +=
       fmt::format("flat features and material changes: {} heights, {} met within {} mm, {} not\n", plan.features.size(),
                   plan.features.size() - plan.missed, short_mm(0.5 * plan.quantum), plan.missed);
+  if (plan.sharp_edges > 0) {
+    out += fmt::format("edges too sharp for any layers here, whose tips are cut off by more: {}\n", plan.sharp_edges);
+  }
   TextTable table(
       {{"material"}, {"deviates [mm]", true}, {"may [mm]", true}, {"layers from [mm]", true}, {"to", true}});
   for (const MaterialId id : plan.materials.ids()) {

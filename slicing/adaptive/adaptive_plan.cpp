@@ -98,16 +98,12 @@ void add_layers(const LayerChoice& choice, const LayerCosts& costs, const LayerR
     const double top = costs.height(choice.borders[k + 1]);
     // Half a quantum is a border of bins, so that the middle is where deviations are measured from.
     plan.layers.push_back({bottom, 0.5 * (bottom + top), top});
-    double slant = 0.0;
+
     for (const MaterialId id : rules.materials.ids()) {
       MaterialDeviation& material = plan.materials[id];
       material.largest = std::max(material.largest, costs.deviation(id, border, thickness));
-      if (!material.is_used) continue;
-      const SlantProfile& profile = *slants.profiles[id];
-      const std::size_t end = std::min(2 * (border + thickness), profile.size());
-      for (std::size_t bin = 2 * border; bin < end; ++bin) slant = std::max(slant, profile.slant(bin));
     }
-    plan.slants.push_back(slant);
+
     plan.deviations.push_back(costs.deviation(border, thickness));
   }
   const auto height = static_cast<double>(choice.borders.back());
@@ -115,9 +111,11 @@ void add_layers(const LayerChoice& choice, const LayerCosts& costs, const LayerR
   plan.mean_deviation = choice.deviation_sum / height;
 }
 
-void meet_features(const ModelSlants& slants, AdaptivePlan& plan) {
-  std::vector<double> borders{plan.layers.front().z_bottom};
-  for (const LayerSpan& layer : plan.layers) borders.push_back(layer.z_top);
+std::vector<MetFeature> met_features(const ModelSlants& slants, const LayerChoice& choice, const LayerCosts& costs,
+                                     double quantum) {
+  std::vector<double> borders;
+  for (const std::size_t border : choice.borders) borders.push_back(costs.height(border));
+  std::vector<MetFeature> out;
   for (const FlatFeature& feature : slants.features) {
     const auto above = std::lower_bound(borders.begin(), borders.end(), feature.z);
     double offset = above == borders.end() ? borders.back() - feature.z : *above - feature.z;
@@ -125,10 +123,14 @@ void meet_features(const ModelSlants& slants, AdaptivePlan& plan) {
       const double below = *(above - 1) - feature.z;
       if (-below < offset) offset = below;
     }
-    const bool is_met = std::abs(offset) <= 0.5 * plan.quantum + kTouch;
-    if (!is_met) ++plan.missed;
-    plan.features.push_back({feature, offset, is_met});
+    out.push_back({feature, offset, std::abs(offset) <= 0.5 * quantum + kTouch});
   }
+  return out;
+}
+
+std::size_t count_missed(const std::vector<MetFeature>& features) {
+  return static_cast<std::size_t>(
+      std::count_if(features.begin(), features.end(), [](const MetFeature& met) { return !met.is_met; }));
 }
 
 }  // namespace
@@ -141,7 +143,11 @@ AdaptivePlan plan_adaptive_layers(const Scene& scene, const MaterialTable& table
   const std::size_t count = count_quanta(top_of(measures, solids) - bottom, rules);
   // What lies above the nearest border must be seen by the layer below it.
   const SlantGrid grid{bottom, 0.5 * rules.quantum, 2 * (count + 1)};
-  const ModelSlants slants = find_slants(scene, table, measures, solids, grid, progress, threads);
+  IdVector<MaterialId, WedgeRule> wedges;
+  for (const MaterialLayers& layers : rules.materials) {
+    wedges.push_back({layers.deviation, 2.0 * layers.deviation / layers.thickness.lo});
+  }
+  const ModelSlants slants = find_slants(scene, table, measures, solids, grid, wedges, progress, threads);
   const LayerCosts costs(table, rules, slants, bottom);
   progress.report("choosing layers", -1.0);
   LayerProblem problem = state_problem(rules, costs, count, progress, threads);
@@ -154,10 +160,12 @@ AdaptivePlan plan_adaptive_layers(const Scene& scene, const MaterialTable& table
   plan.range = {static_cast<double>(rules.thicknesses.front()) * rules.quantum,
                 static_cast<double>(rules.thicknesses.back()) * rules.quantum};
   add_layers(*best.choice, costs, rules, slants, plan);
-  meet_features(slants, plan);
+  plan.features = met_features(slants, *best.choice, costs, rules.quantum);
+  plan.missed = count_missed(plan.features);
+  plan.sharp_edges = slants.sharp_edges;
   if (const auto greedy = choose_greedily(problem).choice) {
     plan.greedy_layers = greedy->layers();
-    plan.greedy_missed = greedy->missed;
+    plan.greedy_missed = count_missed(met_features(slants, *greedy, costs, rules.quantum));
   }
   compare_uniform(costs, rules, count, plan.largest_deviation, plan);
   return plan;

@@ -31,12 +31,12 @@ struct AdaptivePlan {
   Interval range;                    ///< mm, of the thicknesses that were allowed
   std::vector<LayerSpan> layers;     ///< ascending, contiguous
   std::vector<double> deviations;    ///< bound of each layer, mm
-  std::vector<double> slants;        ///< largest |n_z| within each layer
   std::vector<MetFeature> features;  ///< ascending
   IdVector<MaterialId, MaterialDeviation> materials;
   double largest_deviation = 0.0;            ///< mm
   double mean_deviation = 0.0;               ///< mm, over the height
   std::size_t missed = 0;                    ///< features that no border meets
+  std::size_t sharp_edges = 0;               ///< of wedges whose tips recede by more than is allowed in whatever layers
   std::optional<std::size_t> greedy_layers;  ///< of the greedy scheme, if it finds layers
   std::size_t greedy_missed = 0;
   std::optional<std::size_t> uniform_layers;  ///< of the thickest uniform layers with no larger deviation

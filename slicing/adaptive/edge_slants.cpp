@@ -50,6 +50,35 @@ Bound slant_of(const NormalCone& a, const NormalCone& b) {
   return {bound, bound - largest_slant_between({a.axis, 0.0}, {b.axis, 0.0})};
 }
 
+/// Faces less slanted than that, about a degree, look neither up nor down.
+constexpr double kUpright = 0.02;
+/// Faces more slanted than that are level: a tip beside one recedes along the other.
+constexpr double kLevel = 0.9999;
+
+/// Whether one face looks up and the other down.
+bool is_wedge(const NormalCone& a, const NormalCone& b) {
+  return a.axis.z() * b.axis.z() < 0.0 && std::min(std::abs(a.axis.z()), std::abs(b.axis.z())) > kUpright;
+}
+
+/// The tip of a wedge recedes along its faces to the section in the middle of the layer: by the tangent of the angle
+/// between face and vertical, where the distance to the surface grows by the sine only.
+void add_wedge(const Interval& z, const NormalCone& a, const NormalCone& b, const WedgeRule& rule, EdgeSlants& out) {
+  double rate = 0.0;
+  for (const NormalCone* cone : {&a, &b}) {
+    if (std::abs(cone->axis.z()) >= kLevel) continue;
+    const double slant = largest_slant(*cone);
+    rate = std::max(rate, slant < 1.0 ? slant / std::sqrt(1.0 - slant * slant) : rule.steepest + 1.0);
+  }
+  if (rate > rule.steepest) {
+    out.is_too_sharp = true;
+    rate = rule.steepest;
+  }
+  if (!(rate > 0.0)) return;
+  // Half a layer that is higher than that recedes by more than is allowed.
+  const double reach = rule.deviation / rate;
+  out.parts.push_back({{z.lo - reach, z.hi + reach}, rate});
+}
+
 }  // namespace
 
 Vec2 parameters_at(const Scene& scene, HalfEdgeId half_edge, double share) {
@@ -57,13 +86,16 @@ Vec2 parameters_at(const Scene& scene, HalfEdgeId half_edge, double share) {
   return evaluate<2>(half.pcurve, half.prange.lo + share * (half.prange.hi - half.prange.lo)).point;
 }
 
-std::vector<Slant> edge_slants(const Scene& scene, HalfEdgeId half_edge, const FaceSlants& face,
-                               const FaceSlants* neighbor, const SlantProfile& known) {
+EdgeSlants edge_slants(const Scene& scene, HalfEdgeId half_edge, const FaceSlants& face, const FaceSlants* neighbor,
+                       const SlantProfile& known, const WedgeRule& wedges) {
   const HalfEdge& half = scene.half_edges[half_edge];
   const Edge& edge = scene.edges[half.edge];
-  std::vector<Slant> out;
+  EdgeSlants out;
   if (edge.degenerate) return out;  // its vertex tells
-  if (neighbor == nullptr) return {{height_range(edge, {}), 1.0}};
+  if (neighbor == nullptr) {
+    out.parts.push_back({height_range(edge, {}), 1.0});
+    return out;
+  }
   std::vector<Piece> open{{}};
   std::size_t pieces = 0;
   while (!open.empty()) {
@@ -71,13 +103,15 @@ std::vector<Slant> edge_slants(const Scene& scene, HalfEdgeId half_edge, const F
     open.pop_back();
     ++pieces;
     const Interval z = height_range(edge, piece);
-    const Bound bound = slant_of(face.normals(parameter_box(scene, half_edge, piece.from, piece.to)),
-                                 neighbor->normals(parameter_box(scene, half.twin, piece.from, piece.to)));
-    const bool tells_nothing = bound.slant <= known.least_slant(z) + kSlantAccuracy;
+    const NormalCone a = face.normals(parameter_box(scene, half_edge, piece.from, piece.to));
+    const NormalCone b = neighbor->normals(parameter_box(scene, half.twin, piece.from, piece.to));
+    const Bound bound = slant_of(a, b);
+    const bool tells_nothing = bound.slant <= known.least_slant(z) + kSlantAccuracy && !is_wedge(a, b);
     // Without doubt the normals are nearly the same all along the piece, and so is the slant.
     const bool is_done = tells_nothing || bound.doubt <= kSlantAccuracy;
     if (is_done || piece.depth >= kMaxDepth || pieces + open.size() > kMaxPieces) {
-      out.push_back({z, bound.slant});
+      out.parts.push_back({z, bound.slant});
+      if (is_wedge(a, b)) add_wedge(z, a, b, wedges, out);
       continue;
     }
     const double middle = 0.5 * (piece.from + piece.to);

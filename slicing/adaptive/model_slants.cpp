@@ -28,8 +28,8 @@ constexpr double kHorizontal = 1.0 - 1e-9;
 class SlantFinder {
  public:
   SlantFinder(const Scene& scene, const MaterialTable& table, std::span<const SolidId> solids, const SlantGrid& grid,
-              const Progress& progress, int threads)
-      : scene_(scene), table_(table), grid_(grid), progress_(progress), threads_(threads) {
+              const IdVector<MaterialId, WedgeRule>& wedges, const Progress& progress, int threads)
+      : scene_(scene), table_(table), grid_(grid), wedges_(wedges), progress_(progress), threads_(threads) {
     for (const SolidId solid : solids) {
       for (const ShellId shell : scene.solids[solid].shells) {
         for (const FaceId face : scene.shells[shell].faces) faces_.push_back(face);
@@ -55,6 +55,7 @@ class SlantFinder {
     collect(out);
     each_face("bounding normals of edges", [&](std::size_t i) { look_at_edges(i, out); });
     collect(out);
+    out.sharp_edges = sharp_edges_;
     look_at_vertices(out);
     for (auto& profile : out.profiles) {
       if (profile) profile->finish();
@@ -96,8 +97,11 @@ class SlantFinder {
         if (half.twin.valid()) {
           neighbor = slants_[place_of_.at(scene_.loops[scene_.half_edges[half.twin].loop].face)].get();
         }
-        const auto parts = edge_slants(scene_, id, *slants_[i], neighbor, *found.profiles[material_of(faces_[i])]);
-        parts_[i].insert(parts_[i].end(), parts.begin(), parts.end());
+        const MaterialId material = material_of(faces_[i]);
+        const EdgeSlants edge =
+            edge_slants(scene_, id, *slants_[i], neighbor, *found.profiles[material], wedges_[material]);
+        parts_[i].insert(parts_[i].end(), edge.parts.begin(), edge.parts.end());
+        if (edge.is_too_sharp) ++sharp_edges_;
         if (neighbor == nullptr) continue;
         const auto flat = flat_features(scene_, id, *slants_[i], *neighbor);
         features_[i].insert(features_[i].end(), flat.begin(), flat.end());
@@ -155,8 +159,10 @@ class SlantFinder {
   const Scene& scene_;
   const MaterialTable& table_;
   const SlantGrid grid_;
+  const IdVector<MaterialId, WedgeRule>& wedges_;
   const Progress& progress_;
   int threads_;
+  std::atomic<std::size_t> sharp_edges_{0};
   std::vector<FaceId> faces_;
   std::map<FaceId, std::size_t> place_of_;
   std::vector<std::unique_ptr<FaceSlants>> slants_;
@@ -218,10 +224,11 @@ void add_solids(const MaterialTable& table, const IdVector<SolidId, SolidMeasure
 }  // namespace
 
 ModelSlants find_slants(const Scene& scene, const MaterialTable& table, const IdVector<SolidId, SolidMeasure>& measures,
-                        std::span<const SolidId> solids, const SlantGrid& grid, const Progress& progress, int threads) {
+                        std::span<const SolidId> solids, const SlantGrid& grid,
+                        const IdVector<MaterialId, WedgeRule>& wedges, const Progress& progress, int threads) {
   ModelSlants out;
   const std::vector<SolidId> chosen = without_copies(scene, table, solids);
-  SlantFinder(scene, table, chosen, grid, progress, threads).run(out);
+  SlantFinder(scene, table, chosen, grid, wedges, progress, threads).run(out);
   add_solids(table, measures, solids, out);
   out.features = joined(std::move(out.features));
   return out;

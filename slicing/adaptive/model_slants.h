@@ -9,6 +9,7 @@
 #include "materials/material_table.h"
 #include "model/measure.h"
 #include "model/scene.h"
+#include "slicing/adaptive/edge_slants.h"
 #include "slicing/adaptive/slant_profile.h"
 
 namespace lamella {
@@ -31,7 +32,8 @@ struct FlatFeature {
 struct ModelSlants {
   IdVector<MaterialId, std::optional<SlantProfile>> profiles;  ///< none for materials without a solid
   IdVector<MaterialId, std::vector<Interval>> heights;         ///< of the material's solids, ascending, apart
-  std::vector<FlatFeature> features;                           ///< ascending, one a height
+  std::size_t sharp_edges = 0;        ///< whose tips recede by more than is allowed in whatever layers
+  std::vector<FlatFeature> features;  ///< ascending, one a height
 };
 
 /// Where slants are wanted.
@@ -43,9 +45,10 @@ struct SlantGrid {
 
 /// Bounds the slants of the solids by their exact trimmed faces, edges and vertices, and finds what is flat. Solids
 /// that are copies of one another at the same height are looked at once. Same result for any number of threads. Throws
-/// GeometryError for surfaces beyond the stated limits, Cancelled when asked.
+/// GeometryError for surfaces beyond the stated limits (`wedges` has a rule for each material), Cancelled when asked.
 [[nodiscard]] ModelSlants find_slants(const Scene& scene, const MaterialTable& table,
                                       const IdVector<SolidId, SolidMeasure>& measures, std::span<const SolidId> solids,
-                                      const SlantGrid& grid, const Progress& progress = {}, int threads = 0);
+                                      const SlantGrid& grid, const IdVector<MaterialId, WedgeRule>& wedges,
+                                      const Progress& progress = {}, int threads = 0);
 
 }  // namespace lamella

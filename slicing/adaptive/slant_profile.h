@@ -8,7 +8,8 @@
 namespace lamella {
 
 /// Part of a surface, its edges or its vertices: between these heights its normals have |n_z| of at most `slant` (0 on
-/// a vertical wall, 1 where it is horizontal).
+/// a vertical wall, 1 where it is horizontal). Along edges of wedges it is what their tips recede by instead, mm per
+/// mm, which may be more than 1 (docs/methods/adaptive-layers.md, eq. 4).
 struct Slant {
   Interval z;  ///< mm
   double slant = 0.0;

@@ -41,7 +41,8 @@ double lowest(const IdVector<SolidId, SolidMeasure>& measures) {
 
 ModelSlants slants_of(const Scene& scene, double width, double bottom, std::size_t count) {
   const auto measures = measure_solids(scene);
-  return find_slants(scene, table_for(scene), measures, all_solids(scene), {bottom, width, count});
+  return find_slants(scene, table_for(scene), measures, all_solids(scene), {bottom, width, count},
+                     IdVector<MaterialId, WedgeRule>(1, {}));
 }
 
 AdaptivePlan plan_of(const Scene& scene, const MaterialTable& table, const AdaptiveOptions& options) {
