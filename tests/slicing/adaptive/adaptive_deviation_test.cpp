@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cmath>
 #include <gtest/gtest.h>
 
 #include "slicing/adaptive/adaptive_plan.h"
@@ -27,8 +29,11 @@ Planned plan_file(const std::filesystem::path& file) {
   options.deviation = box.sizes().z() / 200.0;
   const AdaptivePlan plan = plan_adaptive_layers(scene, table, measures, solids, box.min().z(), options);
   EXPECT_LE(plan.largest_deviation, options.deviation + 1e-9);
-  // The greedy scheme may save layers by missing more that is flat, never otherwise.
-  if (plan.greedy_layers && plan.greedy_missed == 0 && plan.missed == 0) {
+  // The greedy scheme may save layers by missing more that is flat, or by meeting what lies between two borders from
+  // the other side, never otherwise.
+  const auto is_between = [&](const MetFeature& met) { return std::abs(met.offset) > 0.49 * plan.quantum; };
+  const bool is_even = std::none_of(plan.features.begin(), plan.features.end(), is_between);
+  if (plan.greedy_layers && plan.greedy_missed == 0 && plan.missed == 0 && is_even) {
     EXPECT_LE(plan.layers.size(), *plan.greedy_layers);
   }
   Planned planned{{plan.layers.front().z_bottom}, options.deviation};
@@ -47,6 +52,9 @@ TEST_P(AdaptiveDeviation, StaysWithinTheToleranceByOpenCascade) {
   EXPECT_GT(found.surface_samples, 0U);
   EXPECT_GT(found.built, 0.0);
   EXPECT_LE(found.built, planned.tolerance) << found.built_at.transpose();
+  // The other way round there is no proof where a solid is thinner than a layer (docs/methods/adaptive-layers.md); none
+  // of these is.
+  EXPECT_LE(found.surface, planned.tolerance) << found.surface_at.transpose();
   RecordProperty("built", std::to_string(found.built / planned.tolerance));
   RecordProperty("surface", std::to_string(found.surface / planned.tolerance));
 }
@@ -57,8 +65,7 @@ std::vector<std::filesystem::path> files() {
        {"bone_screw", "mirrored_brackets", "nested_spheres", "overmoulded_grip", "turbine_blade_16"}) {
     out.push_back(datasets_dir() / name / (std::string(name) + ".step"));
   }
-  for (const char* name : {"free_c2d_curved_extrude.stp", "free_geouned_torus.stp", "mech_netgen_screw.step",
-                           "mech_trimesh_featuretype.step"}) {
+  for (const char* name : {"free_geouned_torus.stp", "mech_netgen_screw.step", "mech_trimesh_featuretype.step"}) {
     if (std::filesystem::exists(corpus_dir() / name)) out.push_back(corpus_dir() / name);
   }
   return out;
