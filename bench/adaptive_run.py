@@ -20,6 +20,7 @@ import time
 
 LEAST, MOST, STEP = 0.05, 0.4, 0.01  # mm
 QUALITY = 75  # percent, Slic3r's default
+SECONDS = 3  # for each solid and each kind of sample
 
 
 def plan(tools, file, deviation):
@@ -44,7 +45,7 @@ def measure(tools, file, borders, samples):
     with tempfile.NamedTemporaryFile("w", suffix=".txt") as table:
         table.write("\n".join(map(repr, borders)))
         table.flush()
-        run = subprocess.run([tools / "measure_deviation", file, table.name, str(samples), "20"], capture_output=True,
+        run = subprocess.run([tools / "measure_deviation", file, table.name, str(samples), str(SECONDS)], capture_output=True,
                              text=True, check=True)
     return json.loads(run.stdout)
 
