@@ -13,6 +13,8 @@ namespace {
 
 constexpr int kMaxDepth = 14;
 constexpr std::size_t kMaxPieces = 20000;
+/// Radians. Wider cones, of normals that turn about an edge's axis say, don't tell by their axes how the edge is.
+constexpr double kNarrow = 0.05;
 
 /// A part of an edge's range, both ends in [0, 1].
 struct Piece {
@@ -58,6 +60,15 @@ constexpr double kLevel = 0.9999;
 /// Whether one face looks up and the other down.
 bool is_wedge(const NormalCone& a, const NormalCone& b) {
   return a.axis.z() * b.axis.z() < 0.0 && std::min(std::abs(a.axis.z()), std::abs(b.axis.z())) > kUpright;
+}
+
+/// The same for cones of any width: false is certain.
+bool may_be_wedge(const NormalCone& a, const NormalCone& b) {
+  if (std::min(largest_slant(a), largest_slant(b)) <= kUpright) return false;
+  const auto looks_one_way = [](const NormalCone& cone) {
+    return cone.half_angle < 0.5 * kPi && std::abs(cone.axis.z()) > std::sin(cone.half_angle);
+  };
+  return !(looks_one_way(a) && looks_one_way(b) && a.axis.z() * b.axis.z() > 0.0);
 }
 
 /// The tip of a wedge recedes along its faces to the section in the middle of the layer: by the tangent of the angle
@@ -106,9 +117,11 @@ EdgeSlants edge_slants(const Scene& scene, HalfEdgeId half_edge, const FaceSlant
     const NormalCone a = face.normals(parameter_box(scene, half_edge, piece.from, piece.to));
     const NormalCone b = neighbor->normals(parameter_box(scene, half.twin, piece.from, piece.to));
     const Bound bound = slant_of(a, b);
-    const bool tells_nothing = bound.slant <= known.least_slant(z) + kSlantAccuracy && !is_wedge(a, b);
+    const bool is_narrow = std::max(a.half_angle, b.half_angle) <= kNarrow;
+    const bool is_blunt = is_narrow ? !is_wedge(a, b) : !may_be_wedge(a, b);
+    const bool tells_nothing = bound.slant <= known.least_slant(z) + kSlantAccuracy && is_blunt;
     // Without doubt the normals are nearly the same all along the piece, and so is the slant.
-    const bool is_done = tells_nothing || bound.doubt <= kSlantAccuracy;
+    const bool is_done = tells_nothing || (is_narrow && bound.doubt <= kSlantAccuracy);
     if (is_done || piece.depth >= kMaxDepth || pieces + open.size() > kMaxPieces) {
       out.parts.push_back({z, bound.slant});
       if (is_wedge(a, b)) add_wedge(z, a, b, wedges, out);

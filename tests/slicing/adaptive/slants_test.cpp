@@ -146,6 +146,20 @@ TEST(Slants, CountWhatLiesBetweenTheNormalsAtEdges) {
   EXPECT_NEAR(profile.slant(260), 1.0 / std::sqrt(3.0), 0.01);
 }
 
+// A frustum has a wedge all round the rim of its larger end: the end looks one way, the wall the other.
+TEST(Slants, CountTheTipsOfWedgesAllRoundARim) {
+  const auto layers = [](double r0, double r1) {
+    const Scene scene = scene_of(add_frustum, r0, r1, 6.0);
+    // Walls of 45 degrees: 0.05 by the sine lets layers have 0.14 mm, by the tangent 0.1 mm.
+    return plan_of(scene, table_for(scene), options_of(0.05, 0.02, 0.4, 0.02)).layers;
+  };
+  const auto foot = layers(8.0, 2.0);
+  EXPECT_LE(foot.front().z_top - foot.front().z_bottom, 0.1 + 1e-9);
+  EXPECT_NEAR(foot[foot.size() / 2].z_top - foot[foot.size() / 2].z_bottom, 0.14, 1e-9);
+  const auto head = layers(2.0, 8.0);
+  EXPECT_LE(head.back().z_top - head.back().z_bottom, 0.1 + 1e-9);
+}
+
 class SlantsOfFiles : public ::testing::TestWithParam<std::filesystem::path> {};
 
 // Normals by the evaluator at random places inside the faces are never above the profile.
