@@ -20,7 +20,7 @@ struct NormalCone {
 [[nodiscard]] double largest_slant(const NormalCone& cone);
 
 /// Bound of |n_z| over the unit vectors n that are combinations, with factors that aren't negative, of one vector of
-/// each cone: what the normals may be around an edge between two faces (docs/methods/adaptive-layers.md, eq. 4).
+/// each cone: what the normals may be around an edge between two faces (docs/methods/adaptive-layers.md).
 [[nodiscard]] double largest_slant_between(const NormalCone& first, const NormalCone& second);
 
 /// The same over combinations of any number of unit vectors: the normals around a vertex.

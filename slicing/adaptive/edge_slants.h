@@ -18,7 +18,7 @@ struct EdgeSlants {
 };
 
 /// Parts that cover an edge, given by one of its half-edges, with bounds of the slant of what lies between the normals
-/// of its two faces (eq. 4). Where `known`, the slants of the faces, has as much anyway, parts may be long and bounds
+/// of its two faces. Where `known`, the slants of the faces, has as much anyway, parts may be long and bounds
 /// coarse. An edge without a twin may be slanted in any way.
 [[nodiscard]] EdgeSlants edge_slants(const Scene& scene, HalfEdgeId half_edge, const FaceSlants& face,
                                      const FaceSlants* neighbor, const SlantProfile& known, const WedgeRule& wedges);
