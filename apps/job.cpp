@@ -131,7 +131,8 @@ StepPart read_part(const XmlElement& element, const fs::path& job) {
 }
 
 bool is_path(const std::string& name) {
-  return name == "output" || name == "materials" || name == "machine" || name == "plan" || find_format(name) != nullptr;
+  return name == "output" || name == "materials" || name == "machine" || name == "plan" || name == "adaptive-chart" ||
+         find_format(name) != nullptr;
 }
 
 bool is_switch(const CLI::Option& option) { return option.get_expected_max() == 0; }

@@ -6,10 +6,15 @@
 
 namespace lamella::apps {
 
-void apply_machine(const std::optional<std::string>& file, PlanOptions& plan) {
+void apply_machine(const std::optional<std::string>& file, PlanOptions& plan,
+                   std::optional<AdaptiveOptions>& adaptive) {
   if (!file) return;
   const Machine machine = read_machine(*file);
   if (!plan.pitch) plan.pitch = machine.pitch;
+  if (adaptive) {
+    adaptive->machine = machine;
+    return;
+  }
   if (!plan.layer_height) {
     plan.layer_height = machine.layer_default;
     return;

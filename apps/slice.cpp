@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <fmt/format.h>
 
+#include "apps/adaptive_report.h"
 #include "apps/assembly.h"
 #include "apps/dry_run.h"
 #include "apps/options.h"
@@ -11,6 +12,8 @@
 #include "apps/timed_sink.h"
 #include "apps/verbs.h"
 #include "core/atomic_file.h"
+#include "export/thickness_chart.h"
+#include "slicing/adaptive/adaptive_plan.h"
 #include "slicing/slicer.h"
 
 namespace lamella::apps {
@@ -20,6 +23,7 @@ namespace {
 void check_request(const SliceRequest& request) {
   std::vector<std::filesystem::path> places;
   for (const Output& output : request.outputs) places.push_back(output.path);
+  if (request.adaptive_chart) places.push_back(*request.adaptive_chart);
   std::vector<std::string> inputs;
   for (const StepPart& part : request.parts) inputs.push_back(part.file.string());
   if (request.job) inputs.push_back(*request.job);
@@ -28,6 +32,7 @@ void check_request(const SliceRequest& request) {
   if (request.format.plan) inputs.push_back(*request.format.plan);
   refuse_inputs_as_outputs(places, inputs);
   for (const Output& output : request.outputs) check_writable(output);
+  if (request.adaptive_chart) check_writable({"xml", *request.adaptive_chart});  // a file, as that is
 }
 
 /// What differs from run to run, beside build.xml, which does not.
@@ -54,6 +59,31 @@ SliceReport run_slicer(const Session& session, const SliceRequest& request, cons
   timing.slice = watch.seconds();
   timing.write = timed.seconds();
   return report;
+}
+
+/// Replaces the plan's layers by adaptive ones and says how they were chosen.
+AdaptivePlan choose_layers(const Session& session, const SliceRequest& request, const Assembly& assembly,
+                           std::span<const SolidId> solids, LayerPlan& plan) {
+  AdaptivePlan adaptive =
+      plan_adaptive_layers(assembly.scene, assembly.table, assembly.measures, solids, plan.grid.origin.z(),
+                           *request.adaptive, session.progress(), session.threads());
+  set_layers(plan, adaptive.layers);
+  session.warn(adaptive_findings(adaptive, assembly));
+  return adaptive;
+}
+
+void write_chart(const std::string& file, const AdaptivePlan& adaptive, const SliceRequest& request) {
+  ThicknessChart chart;
+  chart.borders.push_back(adaptive.layers.front().z_bottom);
+  for (const LayerSpan& layer : adaptive.layers) chart.borders.push_back(layer.z_top);
+  chart.deviations = adaptive.deviations;
+  chart.tolerance = request.adaptive->deviation;
+  chart.range = adaptive.range;
+  for (const MetFeature& met : adaptive.features) (met.is_met ? chart.features : chart.missed).push_back(met.feature.z);
+  chart.title =
+      fmt::format("{}: {} layers, deviation at most {:.4g} mm", request.parts.front().file.filename().string(),
+                  adaptive.layers.size(), adaptive.largest_deviation);
+  write_file_atomically(file, draw_thickness(chart));
 }
 
 ExitCode finish(const Session& session, const SliceRequest& request, const SliceOutcome& outcome) {
@@ -90,21 +120,30 @@ ExitCode run(const Session& session, SliceRequest& request) {
 
   measure_assembly(session, assembly);
   if (request.orient) turn_assembly(session, assembly, request);
-  const LayerPlan plan = plan_layers(bounds_of(assembly), request.plan);
-  session.print(lattice_text(plan) + "\n");
+  LayerPlan plan = plan_layers(bounds_of(assembly), request.plan);
   const std::vector<SolidId> solids = choose_solids(assembly.scene, assembly.measures, request.slice.allow_open);
+  std::optional<AdaptivePlan> adaptive;
+  if (request.adaptive) adaptive = choose_layers(session, request, assembly, solids, plan);
+  session.print(lattice_text(plan) + "\n");
+  if (adaptive) session.print(adaptive_text(*adaptive, assembly, request.adaptive->deviation));
+  const Json adaptive_report = adaptive ? adaptive_json(*adaptive, assembly, request.adaptive->deviation) : Json();
   const SlabEngine engine = make_engine(assembly.scene, assembly.measures, solids, request.slice, session.progress());
   timing.prepare = watch.lap();
 
   if (request.dry_run) {
     const Estimate estimate = estimate_run(session, request, assembly, plan, engine);
-    if (session.json()) session.print(estimate_json(estimate, plan));
+    if (session.json()) {
+      Json object = estimate_json(estimate, plan);
+      if (adaptive) object["adaptive"] = adaptive_report;
+      session.print(object);
+    }
     session.print(estimate_text(estimate));
     return ExitCode::ok;
   }
   const SliceReport report = run_slicer(session, request, assembly, plan, engine, timing);
+  if (request.adaptive_chart) write_chart(*request.adaptive_chart, *adaptive, request);
   timing.total = total.seconds();
-  return finish(session, request, {assembly, plan, report, request.outputs, timing});
+  return finish(session, request, {assembly, plan, report, request.outputs, timing, adaptive_report});
 }
 
 }  // namespace
@@ -122,6 +161,7 @@ void add_slice(CLI::App& program, CommonOptions& common, Action& action) {
       "  lamella slice grip.step -o build --dpi 600,300 --layer-height 0.027 --png images --vdb grip.vdb\n"
       "  lamella slice grip.step --png-indexed images            (no build kept)\n"
       "  lamella slice grip.step -o build --machine datasets/machines/material_jetting.xml\n"
+      "  lamella slice grip.step -o build --adaptive 0.02 --adaptive-range 0.05,0.3 --adaptive-chart layers.svg\n"
       "  lamella slice grip.step -o build --hatch-spacing 0.4 --hatch-angle 45 --rotate-per-layer 90\n"
       "  lamella slice grip.step -o build --pitch 0.02 --dry-run\n"
       "  lamella slice --job tray.xml\n"

@@ -1,5 +1,6 @@
 #include "apps/slice_options.h"
 
+#include "apps/adaptive_options.h"
 #include "apps/engine_options.h"
 #include "apps/job.h"
 #include "apps/machine_options.h"
@@ -93,6 +94,7 @@ void add_slice_options(CLI::App& verb) {
             "BUILD");
   add_value(verb, "--job", "parts, placements and any of these options from a file", "J.xml");
   add_value(verb, "--layer-height", "mm (default: about 500 layers on the larger extent)", "MM");
+  add_adaptive_options(verb);
   add_value(verb, "--pitch", "pitch of the raster, both axes or x,y (default: about 1000 rows)", "MM[,MM]");
   add_value(verb, "--dpi", "the same as dots per inch", "DPI[,DPI]");
   add_value(verb, "--origin", "lower corner of the first voxel, mm (default: the lower bounds)", "X,Y,Z");
@@ -158,7 +160,9 @@ SliceRequest read_slice_request(CLI::App& verb, const std::vector<std::string>& 
   check_format_options(request.format, request.outputs);
   request.plan = read_plan(verb);
   request.machine = given(verb, "--machine");
-  apply_machine(request.machine, request.plan);
+  request.adaptive = read_adaptive_options(verb);
+  request.adaptive_chart = given(verb, "--adaptive-chart");
+  apply_machine(request.machine, request.plan, request.adaptive);
   if (const auto spec = given(verb, "--orient")) {
     request.orient = read_orient_options(verb, "--orient", *spec);
     request.orient->plan = request.plan;

@@ -10,6 +10,7 @@
 #include "apps/session.h"
 #include "materials/material_table.h"
 #include "model/step/read_step.h"
+#include "slicing/adaptive/layer_rules.h"
 #include "slicing/layer_plan.h"
 #include "slicing/slicer.h"
 
@@ -25,6 +26,8 @@ struct SliceRequest {
   std::vector<Output> outputs;       ///< the store first, then the formats asked for
   FormatOptions format;
   PlanOptions plan;
+  std::optional<AdaptiveOptions> adaptive;    ///< with the machine, if any
+  std::optional<std::string> adaptive_chart;  ///< file of the drawing
   OverlapPolicy policy = OverlapPolicy::priority;
   SliceOptions slice;
   std::optional<OrientRequest> orient;  ///< how to turn the assembly first

@@ -166,26 +166,28 @@ long long peak_memory() {
 
 Json slice_json(const SliceOutcome& outcome) {
   const SliceReport& report = outcome.report;
-  return {{"grid", grid_json(outcome.plan.grid)},
-          {"layers", report.layers},
-          {"rows", report.rows},
-          {"rays", report.rays},
-          {"hits", report.cast.hits},
-          {"segments", report.segments},
-          {"unclosed_rays", report.cast.unclosed_rays},
-          {"repaired_rays", report.cast.repaired_rays},
-          {"uncertain_hits", report.cast.uncertain_hits},
-          {"solids", solids_json(outcome)},
-          {"materials", materials_json(outcome)},
-          {"overlaps", pairs_json(report.overlaps)},
-          {"gaps", pairs_json(report.gaps)},
-          {"interfaces", contacts_json(report.interfaces, false)},
-          {"open_gaps", contacts_json(report.open_gaps, true)},
-          {"timing", timing_json(outcome.timing)},
-          {"peak_memory_bytes", peak_memory()},
-          {"within_budget", report.within_budget()},
-          {"warnings", json_of(report.findings)},
-          {"outputs", outputs_json(outcome.outputs)}};
+  Json out{{"grid", grid_json(outcome.plan.grid)},
+           {"layers", report.layers},
+           {"rows", report.rows},
+           {"rays", report.rays},
+           {"hits", report.cast.hits},
+           {"segments", report.segments},
+           {"unclosed_rays", report.cast.unclosed_rays},
+           {"repaired_rays", report.cast.repaired_rays},
+           {"uncertain_hits", report.cast.uncertain_hits},
+           {"solids", solids_json(outcome)},
+           {"materials", materials_json(outcome)},
+           {"overlaps", pairs_json(report.overlaps)},
+           {"gaps", pairs_json(report.gaps)},
+           {"interfaces", contacts_json(report.interfaces, false)},
+           {"open_gaps", contacts_json(report.open_gaps, true)},
+           {"timing", timing_json(outcome.timing)},
+           {"peak_memory_bytes", peak_memory()},
+           {"within_budget", report.within_budget()},
+           {"warnings", json_of(report.findings)},
+           {"outputs", outputs_json(outcome.outputs)}};
+  if (!outcome.adaptive.is_null()) out["adaptive"] = outcome.adaptive;
+  return out;
 }
 
 std::string slice_text(const SliceOutcome& outcome) {

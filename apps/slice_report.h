@@ -27,6 +27,7 @@ struct SliceOutcome {
   const SliceReport& report;
   const std::vector<Output>& outputs;
   Timing timing;
+  Json adaptive;  ///< of --adaptive, else null
 };
 
 /// "lattice: 400 x 300 x 100 voxels of ..., 100 layers, 30000 rays"

@@ -55,6 +55,8 @@ struct MaterialSettings {
   double flow = 1.0;            ///< factor on the volume that is pushed out
   double retraction = 0.0;      ///< mm of filament
   double retraction_speed = 0.0;
+  std::optional<double> layer_min;  ///< mm, of adaptive layers that have the material
+  std::optional<double> layer_max;
 };
 
 enum class SupportFill { overhang, box };

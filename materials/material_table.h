@@ -16,12 +16,21 @@ inline constexpr double kMaxDensity = 100.0;
 
 class FieldSource;
 
+/// What adaptive layers that have a material must keep, all in mm; absent: what the run asks for.
+struct ThicknessLimits {
+  std::optional<double> deviation;  ///< of the layers from the material's surface
+  std::optional<double> least;      ///< thickness
+  std::optional<double> most;
+};
+
 struct Material {
   std::string name;
   std::optional<double> density;  ///< g/cm^3
   Color color{0.5, 0.5, 0.5};
   std::vector<MaterialId> components = {};  ///< what a graded material is mixed of, none of them graded; else empty
   std::shared_ptr<const FieldSource> field = nullptr;  ///< how, of a graded one; none in a build that was read
+
+  ThicknessLimits layers = {};
 
   [[nodiscard]] bool is_graded() const { return !components.empty(); }
 };

@@ -194,7 +194,7 @@ void check_order(const XmlElement& element) {
 
 Material read_graded(const XmlElement& element, const std::vector<Material>& library,
                      const std::filesystem::path& folder) {
-  element.allow_only({"name", "color", "priority"},
+  element.allow_only({"name", "color", "priority", "deviation", "layer_min", "layer_max"},
                      {"match", "component", "axis", "radial", "distance", "expression", "grid"});
   refuse_text(element);
   check_order(element);

@@ -66,7 +66,7 @@ void LibraryReader::read_include(const XmlElement& element) {
 }
 
 void LibraryReader::read_material(const XmlElement& element) {
-  element.allow_only({"name", "density", "color", "priority"}, {"match"});
+  element.allow_only({"name", "density", "color", "priority", "deviation", "layer_min", "layer_max"}, {"match"});
   refuse_text(element);
   Material material;
   if (element.has("density")) material.density = read_density(element);
@@ -89,8 +89,16 @@ void LibraryReader::add_material(const XmlElement& element, Material material) {
   material.color = element.has("color") ? read_color(element) : distinct_color(index);
   rules_.priorities.push_back(read_priority(element, 0));
   rules_.library.push_back(std::move(material));
+  read_layers(element, rules_.library.back().layers);
   match_own_name(element, index);
   for (const XmlElement& match : element.children("match")) read_match(match, index);
+}
+
+void LibraryReader::read_layers(const XmlElement& element, ThicknessLimits& layers) {
+  layers.deviation = read_thickness(element, "deviation");
+  layers.least = read_thickness(element, "layer_min");
+  layers.most = read_thickness(element, "layer_max");
+  check_thicknesses(element, layers.least, layers.most);
 }
 
 /// A material stands for what is called like it, and for what has the colour that is stated for it.

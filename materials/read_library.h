@@ -28,6 +28,7 @@ class LibraryReader {
   void read_graded_material(const XmlElement& element);
   void add_material(const XmlElement& element, Material material);
   void read_match(const XmlElement& element, std::size_t material);
+  static void read_layers(const XmlElement& element, ThicknessLimits& layers);
   void match_own_name(const XmlElement& element, std::size_t material);
 
   MaterialRules& rules_;

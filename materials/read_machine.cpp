@@ -222,7 +222,7 @@ class MachineReader {
 
   void read_settings(const XmlElement& element) {
     element.allow_only({"match", "price", "per", "speed", "exposure", "first_exposure", "temperature", "flow",
-                        "retraction", "retraction_speed"},
+                        "retraction", "retraction_speed", "layer_min", "layer_max"},
                        {});
     refuse_text(element);
     MaterialSettings one;
@@ -239,6 +239,9 @@ class MachineReader {
     one.flow = number_within(element, "flow", 0.01, 10.0, "a factor", 1.0);
     one.retraction = number_within(element, "retraction", 0.0, 100.0, "mm", 0.0);
     one.retraction_speed = positive(element, "retraction_speed", "mm/s", 30.0);
+    one.layer_min = read_thickness(element, "layer_min");
+    one.layer_max = read_thickness(element, "layer_max");
+    check_thicknesses(element, one.layer_min, one.layer_max);
     machine_.settings.push_back(std::move(one));
   }
 

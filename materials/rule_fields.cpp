@@ -11,6 +11,8 @@ namespace {
 
 constexpr const char* kNamespace = "urn:lamella:materials:1";
 constexpr long kMaxPriority = 1000000;
+constexpr double kMinThickness = 1e-6;  // mm
+constexpr double kMaxThickness = 1000.0;
 
 }  // namespace
 
@@ -45,6 +47,20 @@ double read_density(const XmlElement& element) {
   if (density > 0.0 && density <= kMaxDensity) return density;
   throw InputError("density " + element.attribute("density") + " is out of range", element.where(),
                    "give it in g/cm^3 (steel: 7.85), more than 0 and at most 100");
+}
+
+std::optional<double> read_thickness(const XmlElement& element, const char* attribute) {
+  if (!element.has(attribute)) return std::nullopt;
+  const double value = element.number(attribute);
+  if (value >= kMinThickness && value <= kMaxThickness) return value;
+  throw InputError(std::string(attribute) + "=\"" + element.attribute(attribute) + "\" is out of range",
+                   element.where(), "give mm, 0.000001 to 1000");
+}
+
+void check_thicknesses(const XmlElement& element, const std::optional<double>& least,
+                       const std::optional<double>& most) {
+  if (!least || !most || *least <= *most) return;
+  throw InputError("layer_min is more than layer_max", element.where(), "swap them");
 }
 
 std::string read_glob(const XmlElement& element, const char* attribute) {

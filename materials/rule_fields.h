@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "core/xml.h"
@@ -20,6 +21,13 @@ namespace lamella {
 
 /// `density`, g/cm^3, more than 0 and at most kMaxDensity.
 [[nodiscard]] double read_density(const XmlElement& element);
+
+/// A thickness or a deviation of layers, mm, more than 0 and at most 1000; nothing where there is no such attribute.
+[[nodiscard]] std::optional<double> read_thickness(const XmlElement& element, const char* attribute);
+
+/// Refuses a least thickness (`layer_min`) above the largest (`layer_max`).
+void check_thicknesses(const XmlElement& element, const std::optional<double>& least,
+                       const std::optional<double>& most);
 
 /// A pattern that matches_glob() takes, not empty.
 [[nodiscard]] std::string read_glob(const XmlElement& element, const char* attribute);

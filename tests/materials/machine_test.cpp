@@ -94,6 +94,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Slip{"turn=\"0.1\"", "swath=\"1\"", "only material jetting"},
                       Slip{"technology=\"extrusion\"", "technology=\"material-jetting\"", "needs a swath"},
                       Slip{"technology=\"extrusion\"", "technology=\"powder-bed\"", "for extrusion"},
+                      Slip{"layer_max=\"0.2\"", "layer_max=\"0.05\"", "more than layer_max"},
                       Slip{"to=\"right\"", "to=\"left\"", "same tool"}, Slip{"P[LA]*", "P[LA*", "can't be used"}));
 
 TEST(Machine, CutOffAnywhereIsAnInputError) {

@@ -43,6 +43,10 @@ TEST(ReadRules, EveryAttributeArrives) {
   EXPECT_EQ(rules.library[1].density, 7.99);
   EXPECT_EQ(rules.library[0].color, (Color{230 / 255.0, 50 / 255.0, 90 / 255.0}));
   EXPECT_EQ(rules.priorities, (std::vector<int>{0, 10, -5}));
+  EXPECT_EQ(rules.library[0].layers.deviation, 0.02);
+  EXPECT_EQ(rules.library[0].layers.least, 0.05);
+  EXPECT_EQ(rules.library[0].layers.most, 0.2);
+  EXPECT_FALSE(rules.library[1].layers.deviation || rules.library[1].layers.least || rules.library[1].layers.most);
   EXPECT_EQ(rules.fallback, "TPU 85A");
   ASSERT_EQ(rules.rules.size(), 4U);
   EXPECT_EQ(rules.rules[0].name, "Insert*");

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <vector>
+
+#include "model/normal_net.h"
+#include "model/rational_form.h"
+#include "model/scene.h"
+#include "model/trim.h"
+#include "slicing/adaptive/slant_profile.h"
+
+namespace lamella {
+
+/// How exact bounds of slants are to be.
+inline constexpr double kSlantAccuracy = 0.005;
+
+/// The normals of one trimmed face. Queries are safe from several threads at once.
+class FaceSlants {
+ public:
+  /// Throws as TrimRegion and rational_form() do. The scene must outlive it.
+  FaceSlants(const Scene& scene, FaceId face);
+
+  /// Exact heights of the face, mm.
+  [[nodiscard]] const Interval& heights() const { return heights_; }
+
+  /// Parts that cover the trimmed face, each with a bound of the slant over it, by halving Bezier nets. Parts are no
+  /// higher than `resolution` mm where the slant changes over them. What would need too much work keeps a coarse bound.
+  [[nodiscard]] std::vector<Slant> parts(double resolution) const;
+
+  /// Bezier nets of normals over the part of the surface with parameters in `uv`: their span holds the outward normals.
+  [[nodiscard]] NormalCone normals(const Box2& uv) const;
+
+  /// The outward unit normal, or zero where the surface has none.
+  [[nodiscard]] Vec3 normal_at(const Vec2& uv) const;
+  /// The same a thousandth of the way from there into the face's parameters, where a pole or an apex has normals.
+  [[nodiscard]] Vec3 normal_beside(const Vec2& uv) const;
+
+ private:
+  const Face& face_;
+  TrimRegion region_;
+  RationalForm form_;
+  std::vector<NormalNet> nets_;  ///< of the form's patches
+  Interval heights_;
+};
+
+}  // namespace lamella

@@ -1,0 +1,130 @@
+#include <cmath>
+#include <gmock/gmock.h>
+#include <set>
+
+#include "tests/apps/command_json.h"
+
+namespace lamella::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string spheres() { return quoted(datasets_dir() / "nested_spheres/nested_spheres.step"); }
+
+std::string adaptive_run(const TemporaryFolder& folder, const std::string& more) {
+  return "slice " + spheres() + " --pitch 0.5 --json -o " + quoted(folder / "build") + " " + more;
+}
+
+TEST(Adaptive, ReportsLayersWithinTheDeviation) {
+  const TemporaryFolder folder;
+  const CommandResult result =
+      run_lamella(adaptive_run(folder, "--adaptive 0.1 --adaptive-chart " + quoted(folder / "chart.svg")));
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  const Json report = parse_output(result);
+  expect_keys(report, {"adaptive", "grid", "layers"});
+  const Json& adaptive = report["adaptive"];
+  expect_keys(adaptive, {"deviation", "quantum", "range", "layers", "largest_deviation", "mean_deviation",
+                         "greedy_layers", "greedy_missed", "uniform_layers", "uniform_thickness", "materials",
+                         "sharp_edges", "missed", "features", "thicknesses"});
+  EXPECT_EQ(adaptive["layers"], report["layers"]);
+  EXPECT_EQ(report["grid"]["size"][2], report["layers"]);
+  EXPECT_LE(adaptive["largest_deviation"], 0.1 + 1e-9);
+  int layers = 0;
+  for (const Json& run : adaptive["thicknesses"]) {
+    layers += run["layers"].get<int>();
+    const double quanta = run["thickness"].get<double>() / adaptive["quantum"].get<double>();
+    EXPECT_NEAR(quanta, std::round(quanta), 1e-6);
+  }
+  EXPECT_EQ(layers, report["layers"].get<int>());
+  EXPECT_THAT(contents(folder / "chart.svg"), HasSubstr("thickness of layers in mm"));
+  EXPECT_EQ(run_lamella("check " + quoted(folder / "build")).exit_code, 0);
+}
+
+TEST(Adaptive, ThicknessesSuitFormatsOfOneThickness) {
+  const TemporaryFolder folder;
+  const CommandResult result =
+      run_lamella(adaptive_run(folder, "--adaptive 0.2 --vdb " + quoted(folder / "v.vdb") + " --nrrd " +
+                                           quoted(folder / "v.nrrd") + " --png " + quoted(folder / "png")));
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_GT(std::filesystem::file_size(folder / "v.nrrd"), 100U);
+  EXPECT_GT(std::filesystem::file_size(folder / "v.vdb"), 100U);
+}
+
+TEST(Adaptive, DryRunShowsThePlanAndWritesNothing) {
+  const TemporaryFolder folder;
+  const CommandResult result = run_lamella(adaptive_run(
+      folder, "--adaptive 0.1 --adaptive-range 0.05,0.5 --dry-run --adaptive-chart " + quoted(folder / "chart.svg")));
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  const Json plan = parse_output(result);
+  EXPECT_EQ(plan["adaptive"]["range"], Json::array({0.05, 0.5}));
+  EXPECT_EQ(plan["adaptive"]["layers"], plan["layers"]);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST(Adaptive, SaysWhatIsWrongWithItsNumbers) {
+  const TemporaryFolder folder;
+  const struct {
+    const char* options;
+    int code;
+    const char* says;
+  } cases[] = {
+      {"--adaptive 0", 1, "not more than zero"},
+      {"--adaptive -0.1", 1, "not more than zero"},
+      {"--adaptive nan", 1, "--adaptive"},
+      {"--adaptive x", 1, "--adaptive"},
+      {"--adaptive 0.1 --adaptive-range 0.5,0.1", 1, "more than the largest"},
+      {"--adaptive 0.1 --adaptive-range 0.5", 1, "--adaptive-range"},
+      {"--adaptive 0.1 --adaptive-range 0,1", 1, "must be positive"},
+      {"--adaptive 0.1 --adaptive-step 0", 1, "--adaptive-step"},
+      {"--adaptive 0.1 --layer-height 0.1", 1, "exclude each other"},
+      {"--adaptive-range 0.1,0.2", 1, "needs --adaptive"},
+      {"--adaptive 0.01 --adaptive-range 0.1,0.2", 2, "no layer suits the material"},
+  };
+  for (const auto& wrong : cases) {
+    const CommandResult result = run_lamella(adaptive_run(folder, wrong.options));
+    EXPECT_EQ(result.exit_code, wrong.code) << wrong.options;
+    EXPECT_THAT(result.errors, HasSubstr(wrong.says)) << wrong.options;
+    EXPECT_TRUE(std::filesystem::is_empty(folder.path())) << wrong.options;
+  }
+}
+
+/// A library in which the boxes' materials accept no common layer.
+std::string clashing_library() {
+  return "<materials xmlns=\"urn:lamella:materials:1\" version=\"1.3\"><library>"
+         "<material name=\"Thick\" layer_min=\"0.4\"/><material name=\"Thin\" layer_max=\"0.2\" deviation=\"0.05\"/>"
+         "</library><assignments default=\"Thick\"><assign name=\"Cork*\" "
+         "material=\"Thin\"/></assignments></materials>";
+}
+
+TEST(Adaptive, NamesMaterialsThatClash) {
+  const TemporaryFolder folder;
+  write_text(folder / "m.xml", clashing_library());
+  const Json info = parse_output(run_lamella("info " + boxes() + " --json --materials " + quoted(folder / "m.xml")));
+  std::set<std::string> used;
+  for (const Json& solid : info["solids"]) used.insert(solid["material"]);
+  ASSERT_EQ(used.size(), 2U) << info["solids"].dump();
+  const CommandResult result =
+      run_lamella("slice " + boxes() + " --pitch 1 --adaptive 0.3 --adaptive-range 0.1,1 --materials " +
+                  quoted(folder / "m.xml") + " -o " + quoted(folder / "build"));
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.errors, HasSubstr("no layer suits the materials 'Thick' and 'Thin'"));
+  EXPECT_THAT(result.errors, HasSubstr("z = "));
+}
+
+TEST(Adaptive, TakesThicknessesFromTheMachineAndOptionsFromAJob) {
+  const TemporaryFolder folder;
+  const std::string machine = (datasets_dir() / "machines/multi_nozzle.xml").string();
+  write_text(folder / "job.xml", "<job xmlns=\"urn:lamella:job:1\" version=\"1.0\"><part file=\"" +
+                                     (datasets_dir() / "nested_spheres/nested_spheres.step").string() +
+                                     "\"/><options output=\"build\" adaptive=\"0.15\" machine=\"" + machine +
+                                     "\" dry-run=\"true\" json=\"true\"/></job>");
+  EXPECT_EQ(run_lamella("check " + quoted(folder / "job.xml")).exit_code, 0);
+  const CommandResult result = run_lamella("slice --job " + quoted(folder / "job.xml"));
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  const Json plan = parse_output(result);
+  EXPECT_NEAR(plan["adaptive"]["range"][0].get<double>(), 0.05, 1e-9);
+  EXPECT_NEAR(plan["adaptive"]["range"][1].get<double>(), 0.3, 1e-9);
+}
+
+}  // namespace
+}  // namespace lamella::test
