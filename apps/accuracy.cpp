@@ -145,6 +145,7 @@ AccuracyRequest read_request(const CLI::App& verb, const std::vector<std::string
   };
   whole("--rays", study.rays, 1, 20'000'000);
   whole("--oracle-rays", study.oracle_rays, 0, 1'000'000);
+  whole("--occt-rays", study.occt_rays, 0, 1'000'000);
   whole("--max-triangles", study.max_triangles, 1, 100'000'000);
   if (const auto most = given(verb, "--max-seconds")) study.max_seconds = parse_positive("--max-seconds", *most);
   if (const auto page = given(verb, "--output")) request.page = *page;
@@ -166,6 +167,7 @@ void add_accuracy(CLI::App& program, CommonOptions& common, Action& action) {
   add_value(*verb, "--angle", "of the tessellations, degree (default: OpenCASCADE's 0.5 rad)", "DEG");
   add_value(*verb, "--rays", "about so many are compared (default: 40000)", "N");
   add_value(*verb, "--oracle-rays", "of them, so many are asked of the certified engine too (default: 2000)", "N");
+  add_value(*verb, "--occt-rays", "and so many of OpenCASCADE, for 20 s at most (default: 300)", "N");
   add_value(*verb, "--pitches", "of lattices to integrate on, mm (default: by the model's size)", "MM,...");
   add_value(*verb, "--max-triangles", "finer tessellations are skipped (default: 4000000)", "N");
   add_value(*verb, "--max-seconds", "a tessellation that takes longer is given up (default: 300)", "S");

@@ -27,6 +27,14 @@ void add_errors(const CrossingErrors& errors, Json& object) {
   object["longest_false"] = errors.longest_false;
 }
 
+/// How far direct slicing is from OpenCASCADE's intersections; null when it wasn't asked.
+Json occt_json(const DirectResult& direct) {
+  if (direct.occt_rays == 0) return nullptr;
+  Json object{{"rays", direct.occt_rays}, {"odd_rays", direct.occt_odd_rays}, {"time", direct.occt_seconds}};
+  add_errors(direct.occt_errors, object);
+  return object;
+}
+
 Json direct_json(const StudyResult& result) {
   const DirectResult& direct = result.direct;
   Json object{{"bytes", result.step_bytes},
@@ -41,7 +49,8 @@ Json direct_json(const StudyResult& result) {
               {"oracle_rays", direct.oracle_rays},
               {"oracle_unclosed_rays", direct.oracle_counters.unclosed_rays},
               {"oracle_repaired_rays", direct.oracle_counters.repaired_rays},
-              {"oracle_time", direct.oracle_seconds}};
+              {"oracle_time", direct.oracle_seconds},
+              {"occt", occt_json(direct)}};
   add_errors(direct.errors, object);
   if (direct.oracle_rays == 0) {
     for (const char* key : {"max_error", "rms_error", "mean_error", "matched", "missed", "false", "longest_missed",
@@ -106,6 +115,14 @@ std::string direct_text(const StudyResult& result) {
         "against the certified engine on {} of the rays: largest error {} mm, rms {} mm, missed {}, false {}\n",
         direct.oracle_rays, length(direct.errors.largest), length(direct.errors.rms()), direct.errors.missed,
         direct.errors.false_);
+  }
+  if (direct.occt_rays > 0) {
+    text += fmt::format(
+        "against OpenCASCADE on {} rays of a solid, {} of them odd: largest difference {} mm, rms {} mm, only there "
+        "{}, "
+        "only here {}\n",
+        direct.occt_rays, direct.occt_odd_rays, length(direct.occt_errors.largest), length(direct.occt_errors.rms()),
+        direct.occt_errors.missed, direct.occt_errors.false_);
   }
   text += fmt::format("the STEP file states its edges to {} mm, and has {}\n", length(result.file_tolerance),
                       short_bytes(static_cast<double>(result.step_bytes)));

@@ -1,8 +1,11 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 
+#include "apps/assembly.h"
+#include "slicing/accuracy/choose_lattice.h"
 #include "slicing/layer_plan.h"
 
 namespace lamella::apps {
@@ -10,5 +13,15 @@ namespace lamella::apps {
 /// Takes pitch and layer height from the machine file, if any, where `plan` leaves them open. Throws InputError on a
 /// file that can't be read, UsageError when the layer height asked for doesn't suit the machine.
 void apply_machine(const std::optional<std::string>& file, PlanOptions& plan);
+
+/// Gives `plan` the pitch and layer height for an accuracy in mm, on the machine if there is one, and warns when the
+/// STEP file itself is less accurate. Throws as choose_lattice() and read_machine() do.
+accuracy::LatticeChoice apply_accuracy(const Session& session, const Assembly& assembly,
+                                       std::span<const SolidId> solids, double accuracy,
+                                       const std::optional<std::string>& machine, PlanOptions& plan);
+/// One line for people.
+[[nodiscard]] std::string accuracy_line(const accuracy::LatticeChoice& choice);
+/// {"wanted","surface_bound","offset_bound","file_tolerance"}
+[[nodiscard]] Json choice_json(const accuracy::LatticeChoice& choice);
 
 }  // namespace lamella::apps

@@ -3,6 +3,7 @@
 
 #include "apps/assembly.h"
 #include "apps/dry_run.h"
+#include "apps/machine_options.h"
 #include "apps/options.h"
 #include "apps/slice_options.h"
 #include "apps/slice_report.h"
@@ -77,7 +78,11 @@ ExitCode finish(const Session& session, const SliceRequest& request, const Slice
   if (code != ExitCode::ok) {
     session.terminal().warn("the error budget is exceeded: the outputs are written but can't be fully trusted");
   }
-  if (session.json()) session.print(slice_json(outcome));
+  if (session.json()) {
+    Json object = slice_json(outcome);
+    if (outcome.accuracy) object["accuracy"] = choice_json(*outcome.accuracy);
+    session.print(object);
+  }
   session.print(slice_text(outcome));
   return code;
 }
@@ -93,9 +98,15 @@ ExitCode run(const Session& session, const SliceRequest& request) {
   timing.read = watch.lap();
 
   measure_assembly(session, assembly);
-  const LayerPlan plan = plan_layers(bounds_of(assembly), request.plan);
-  session.print(lattice_text(plan) + "\n");
   const std::vector<SolidId> solids = choose_solids(assembly.scene, assembly.measures, request.slice.allow_open);
+  PlanOptions plan_options = request.plan;
+  std::optional<accuracy::LatticeChoice> choice;
+  if (request.accuracy) {
+    choice = apply_accuracy(session, assembly, solids, *request.accuracy, request.machine, plan_options);
+  }
+  const LayerPlan plan = plan_layers(bounds_of(assembly), plan_options);
+  session.print(lattice_text(plan) + "\n");
+  if (choice) session.print(accuracy_line(*choice) + "\n");
   const SlabEngine engine = make_engine(assembly.scene, assembly.measures, solids, request.slice, session.progress());
   timing.prepare = watch.lap();
 
@@ -107,7 +118,7 @@ ExitCode run(const Session& session, const SliceRequest& request) {
   }
   const SliceReport report = run_slicer(session, request, assembly, plan, engine, timing);
   timing.total = total.seconds();
-  return finish(session, request, {assembly, plan, report, request.outputs, timing});
+  return finish(session, request, {assembly, plan, report, request.outputs, timing, choice});
 }
 
 }  // namespace
@@ -123,6 +134,7 @@ void add_slice(CLI::App& program, CommonOptions& common, Action& action) {
       "  lamella slice grip.step -o build\n"
       "  lamella slice grip.step insert.step -o build --materials grip.xml --layer-height 0.1 --pitch 0.05\n"
       "  lamella slice grip.step -o build --dpi 600,300 --layer-height 0.027 --png images --vdb grip.vdb\n"
+      "  lamella slice grip.step -o build --accuracy 0.05\n"
       "  lamella slice grip.step -o build --machine datasets/machines/material_jetting.xml\n"
       "  lamella slice grip.step -o build --hatch-spacing 0.4 --hatch-angle 45 --rotate-per-layer 90\n"
       "  lamella slice grip.step -o build --pitch 0.02 --dry-run\n"

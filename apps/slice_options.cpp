@@ -54,6 +54,17 @@ std::optional<HatchLattice> read_hatch(const CLI::App& verb) {
   return hatch;
 }
 
+/// It decides what these options decide.
+std::optional<double> read_accuracy(const CLI::App& verb) {
+  const auto accuracy = given(verb, "--accuracy");
+  if (!accuracy) return std::nullopt;
+  for (const char* other : {"--pitch", "--dpi", "--layer-height"}) {
+    if (!given(verb, other)) continue;
+    throw UsageError(std::string("--accuracy and ") + other + " exclude each other", {}, "give one of them");
+  }
+  return parse_positive("--accuracy", *accuracy);
+}
+
 PlanOptions read_plan(const CLI::App& verb) {
   PlanOptions plan;
   if (const auto height = given(verb, "--layer-height")) plan.layer_height = parse_positive("--layer-height", *height);
@@ -93,6 +104,7 @@ void add_slice_options(CLI::App& verb) {
   add_value(verb, "--layer-height", "mm (default: about 500 layers on the larger extent)", "MM");
   add_value(verb, "--pitch", "pitch of the raster, both axes or x,y (default: about 1000 rows)", "MM[,MM]");
   add_value(verb, "--dpi", "the same as dots per inch", "DPI[,DPI]");
+  add_value(verb, "--accuracy", "pitch and layer height that keep voxels this close to the exact surface", "MM");
   add_value(verb, "--origin", "lower corner of the first voxel, mm (default: the lower bounds)", "X,Y,Z");
   add_value(verb, "--hatch-spacing", "also hatch rows at this distance", "MM");
   add_value(verb, "--hatch-angle", "of the first layer's hatch rows, degree", "DEG");
@@ -153,7 +165,8 @@ SliceRequest read_slice_request(CLI::App& verb, const std::vector<std::string>& 
   check_format_options(request.format, request.outputs);
   request.plan = read_plan(verb);
   request.machine = given(verb, "--machine");
-  apply_machine(request.machine, request.plan);
+  request.accuracy = read_accuracy(verb);
+  if (!request.accuracy) apply_machine(request.machine, request.plan);
   request.policy = read_overlap_policy(verb);
   const EngineChoice choice = read_engine_options(verb);
   request.slice.engine = choice.engine.value_or(EngineKind::span);

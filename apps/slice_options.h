@@ -24,6 +24,7 @@ struct SliceRequest {
   std::vector<Output> outputs;  ///< the store first, then the formats asked for
   FormatOptions format;
   PlanOptions plan;
+  std::optional<double> accuracy;  ///< mm; then the plan gets pitch and layer height when the model is known
   OverlapPolicy policy = OverlapPolicy::priority;
   SliceOptions slice;
   bool dry_run = false;

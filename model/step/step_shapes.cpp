@@ -5,6 +5,7 @@
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
 #include <IMeshTools_Parameters.hxx>
+#include <IntCurvesFace_ShapeIntersector.hxx>
 #include <Message_ProgressIndicator.hxx>
 #include <Message_ProgressRange.hxx>
 #include <Poly_Triangulation.hxx>
@@ -14,9 +15,10 @@
 #include <TopoDS.hxx>
 #include <TopoDS_Compound.hxx>
 #include <TopoDS_Face.hxx>
-#include <atomic>
+#include <algorithm>
 #include <chrono>
 #include <fstream>
+#include <gp_Lin.hxx>
 #include <mutex>
 #include <unistd.h>
 
@@ -159,6 +161,26 @@ Tessellation run(const std::vector<TopoDS_Shape>& solids, const TessellationOpti
   return result;
 }
 
+/// Depths of the intersections of one line, copies at edges dropped.
+std::vector<double> intersect_ray(IntCurvesFace_ShapeIntersector& intersector, const Ray& ray) {
+  constexpr double kSame = 1e-6;  // mm
+  const gp_Lin line(gp_Pnt(ray.origin.x(), ray.origin.y(), ray.origin.z()),
+                    gp_Dir(ray.direction.x(), ray.direction.y(), ray.direction.z()));
+  constexpr double kFar = 1e10;  // mm
+  intersector.Perform(line, -kFar, kFar);
+  std::vector<std::pair<double, bool>> found;
+  for (int k = 1; intersector.IsDone() && k <= intersector.NbPnt(); ++k) {
+    found.emplace_back(intersector.WParameter(k), intersector.Transition(k) == IntCurveSurface_In);
+  }
+  std::sort(found.begin(), found.end());
+  const auto last = std::unique(found.begin(), found.end(), [](const auto& a, const auto& b) {
+    return b.first - a.first < kSame && a.second == b.second;
+  });
+  std::vector<double> depths;
+  for (auto it = found.begin(); it != last; ++it) depths.push_back(it->first);
+  return depths;
+}
+
 }  // namespace
 
 StepShapes::StepShapes() : data_(std::make_unique<Data>()) {}
@@ -176,6 +198,24 @@ Tessellation StepShapes::tessellate(std::span<const SolidId> solids, const Tesse
     throw GeometryError(std::string("OpenCASCADE can't tessellate the model: ") + failure.GetMessageString(), {},
                         "choose another deflection");
   }
+}
+
+std::vector<std::vector<double>> StepShapes::intersect(SolidId solid, std::span<const Ray> rays,
+                                                       const Progress& progress) const {
+  constexpr double kConfusion = 1e-7;  // mm, OpenCASCADE's own
+  std::vector<std::vector<double>> depths;
+  try {
+    IntCurvesFace_ShapeIntersector intersector;
+    intersector.Load(step::without_scaling(data_->shapes.at(solid.value())), kConfusion);
+    for (const Ray& ray : rays) {
+      progress.throw_if_cancelled();
+      depths.push_back(intersect_ray(intersector, ray));
+    }
+  } catch (const Standard_Failure& failure) {
+    throw GeometryError(std::string("OpenCASCADE can't intersect the model with rays: ") + failure.GetMessageString(),
+                        {}, "leave its oracle out");
+  }
+  return depths;
 }
 
 }  // namespace lamella

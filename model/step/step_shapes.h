@@ -49,6 +49,12 @@ class StepShapes {
   [[nodiscard]] Tessellation tessellate(std::span<const SolidId> solids, const TessellationOptions& options,
                                         const Progress& progress = {});
 
+  /// Where OpenCASCADE's IntCurvesFace_ShapeIntersector meets a solid on each of some rays: depths t in mm, ascending,
+  /// as it finds them; intersections of one sense within 1e-6 mm, which an edge gives on both its faces, are one. It is
+  /// slow, and misses and doubles some: an odd number is one of those. Throws as tessellate() does.
+  [[nodiscard]] std::vector<std::vector<double>> intersect(SolidId solid, std::span<const Ray> rays,
+                                                           const Progress& progress = {}) const;
+
   struct Data;
   /// For the reader.
   [[nodiscard]] Data& data() { return *data_; }

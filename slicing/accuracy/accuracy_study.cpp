@@ -120,6 +120,8 @@ StudyResult run_study(const Scene& scene, const IdVector<SolidId, SolidMeasure>&
   progress.report("asking the certified engine", 0.0);
   ask_oracle(scene, measures, result.solids, exact.lattice, exact.crossings, options.oracle_rays, progress,
              options.threads, result.direct);
+  progress.report("asking OpenCASCADE", 0.0);
+  ask_occt(shapes, measures, result.solids, exact.lattice, exact.crossings, options, progress, result.direct);
   progress.report("integrating", 0.0);
   std::vector<double> pitches = options.pitches.empty() ? choose_pitches(result.size) : options.pitches;
   std::sort(pitches.begin(), pitches.end(), std::greater<>());

@@ -21,6 +21,8 @@ struct StudyOptions {
   double angle = 0.5;                                                        ///< radians, of the tessellation
   std::size_t rays = 40'000;             ///< about as many, over the box of all solids
   std::size_t oracle_rays = 2'000;       ///< of them, asked of the certified reference engine
+  std::size_t occt_rays = 300;           ///< of them, intersected by OpenCASCADE too, solid by solid
+  double occt_seconds = 20.0;            ///< after which it is asked no more
   std::size_t distance_samples = 4'000;  ///< crossings of a mesh whose distance from the surface is measured
   std::vector<double> pitches;           ///< mm, of lattices to integrate on; empty: chosen by the model's size
   std::size_t max_triangles = 4'000'000;
@@ -45,6 +47,10 @@ struct DirectResult {
   CrossingErrors errors;          ///< on them, against the certified engine
   CastCounters oracle_counters;
   double oracle_seconds = 0.0;
+  std::uint64_t occt_rays = 0;      ///< solid-rays that OpenCASCADE intersected as well
+  std::uint64_t occt_odd_rays = 0;  ///< of them with an odd number of intersections, which aren't compared
+  CrossingErrors occt_errors;       ///< on the others; "missed" are intersections that direct slicing doesn't have
+  double occt_seconds = 0.0;
 };
 
 /// The STL side at one deflection.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <functional>
+#include <random>
 
 #include "core/parallel.h"
 #include "slicing/compensated_sum.h"
@@ -55,6 +56,11 @@ void cut_slabs(const SlabEngine& engine, const LayerPlan& plan, const Progress& 
 }
 
 std::size_t count_slabs(const LayerPlan& plan) { return (plan.layers.size() + kSlabLayers - 1) / kSlabLayers; }
+
+/// Whether the ray along +x at (y, z) meets a box.
+bool meets(const Box3& box, double y, double z) {
+  return box.min().y() <= y && y <= box.max().y() && box.min().z() <= z && z <= box.max().z();
+}
 
 /// Appends a span to the crossings of its solid; one that begins where the last ended goes on with it.
 void append(Crossings& crossings, std::uint32_t ray, double begin, double end) {
@@ -132,7 +138,7 @@ void ask_oracle(const Scene& scene, const IdVector<SolidId, SolidMeasure>& measu
         SolidCast cast;
         for (std::size_t s = 0; s < solids.size(); ++s) {
           const Box3& box = measures[solids[s]].bounds;
-          if (!(box.min().y() <= y && y <= box.max().y() && box.min().z() <= z && z <= box.max().z())) continue;
+          if (!meets(box, y, z)) continue;
           oracle.cast({Vec3(0.0, y, z), Vec3::UnitX()}, Vec3::UnitZ(), solids[s], cast, casts[i]);
           for (const Span& span : cast.spans) append(found[i][s], rays[i], span.begin, span.end);
         }
@@ -149,6 +155,40 @@ void ask_oracle(const Scene& scene, const IdVector<SolidId, SolidMeasure>& measu
     result.errors += compare_crossings(certified, direct);
   }
   result.oracle_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void ask_occt(const StepShapes& shapes, const IdVector<SolidId, SolidMeasure>& measures,
+              std::span<const SolidId> solids, const RayLattice& lattice, const SolidCrossings& exact,
+              const StudyOptions& options, const Progress& progress, DirectResult& result) {
+  // One entry a ray and solid whose box it meets.
+  std::vector<std::pair<std::uint32_t, std::size_t>> pairs;
+  const std::size_t step = std::max<std::size_t>(1, lattice.rays() / std::max<std::size_t>(1, options.occt_rays));
+  for (std::size_t ray = step / 2; ray < lattice.rays() && options.occt_rays > 0; ray += step) {
+    for (std::size_t s = 0; s < solids.size(); ++s) {
+      const auto number = static_cast<std::uint32_t>(ray);
+      if (meets(measures[solids[s]].bounds, lattice.ray_y(number), lattice.ray_z(number)))
+        pairs.emplace_back(number, s);
+    }
+  }
+  std::shuffle(pairs.begin(), pairs.end(), std::mt19937(1));
+  const auto start = std::chrono::steady_clock::now();
+  const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
+  for (const auto& [ray, s] : pairs) {
+    if (result.occt_rays >= options.occt_rays || seconds() > options.occt_seconds) break;
+    const Ray line{Vec3(0.0, lattice.ray_y(ray), lattice.ray_z(ray)), Vec3::UnitX()};
+    const std::vector<double> depths = shapes.intersect(solids[s], std::span(&line, 1), progress)[0];
+    ++result.occt_rays;
+    if (depths.size() % 2 != 0) {
+      ++result.occt_odd_rays;
+      continue;
+    }
+    Crossings theirs;
+    for (const double x : depths) theirs.push_back({ray, x});
+    const auto order = [](const Crossing& a, const Crossing& b) { return a.ray < b.ray; };
+    const auto [first, last] = std::equal_range(exact[s].begin(), exact[s].end(), Crossing{ray, 0.0}, order);
+    result.occt_errors += compare_crossings(theirs, Crossings(first, last));
+  }
+  result.occt_seconds = seconds();
 }
 
 std::vector<std::vector<double>> exact_section_areas(const Scene& scene,

@@ -26,6 +26,11 @@ void ask_oracle(const Scene& scene, const IdVector<SolidId, SolidMeasure>& measu
                 const RayLattice& lattice, const SolidCrossings& exact, std::size_t count, const Progress& progress,
                 int threads, DirectResult& result);
 
+/// The same for OpenCASCADE's intersector, on rays in an order at random, until the time is over.
+void ask_occt(const StepShapes& shapes, const IdVector<SolidId, SolidMeasure>& measures,
+              std::span<const SolidId> solids, const RayLattice& lattice, const SolidCrossings& exact,
+              const StudyOptions& options, const Progress& progress, DirectResult& result);
+
 /// Exact areas of the sections of each solid at the layers, mm^2; zero beyond its box.
 [[nodiscard]] std::vector<std::vector<double>> exact_section_areas(const Scene& scene,
                                                                    const IdVector<SolidId, SolidMeasure>& measures,
