@@ -161,9 +161,10 @@ Tessellation run(const std::vector<TopoDS_Shape>& solids, const TessellationOpti
   return result;
 }
 
+constexpr double kSameDepth = 1e-6;  ///< mm
+
 /// Depths of the intersections of one line, copies at edges dropped.
 std::vector<double> intersect_ray(IntCurvesFace_ShapeIntersector& intersector, const Ray& ray) {
-  constexpr double kSame = 1e-6;  // mm
   const gp_Lin line(gp_Pnt(ray.origin.x(), ray.origin.y(), ray.origin.z()),
                     gp_Dir(ray.direction.x(), ray.direction.y(), ray.direction.z()));
   constexpr double kFar = 1e10;  // mm
@@ -174,7 +175,7 @@ std::vector<double> intersect_ray(IntCurvesFace_ShapeIntersector& intersector, c
   }
   std::sort(found.begin(), found.end());
   const auto last = std::unique(found.begin(), found.end(), [](const auto& a, const auto& b) {
-    return b.first - a.first < kSame && a.second == b.second;
+    return b.first - a.first < kSameDepth && a.second == b.second;
   });
   std::vector<double> depths;
   for (auto it = found.begin(); it != last; ++it) depths.push_back(it->first);
