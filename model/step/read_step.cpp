@@ -14,9 +14,10 @@
 #include "model/step/raw_properties.h"
 #include "model/step/raw_structure.h"
 #include "model/step/raw_topology.h"
+#include "model/step/shape_list.h"
 #include "model/step/solid_report.h"
 #include "model/step/step_session.h"
-#include "model/step/step_shapes_data.h"
+#include "model/step/step_shapes.h"
 #include "model/step/text.h"
 #include "model/topology.h"
 
@@ -299,7 +300,7 @@ void Reader::convert(const step::Assembly& assembly, const step::EntityIndex& en
     source.info.instance.emplace().body = body;
     make_unique(source.info.path);
     step::append_solid(scene_, source, entities, assembly.colors);
-    if (shapes_ != nullptr) shapes_->data().shapes.push_back(shape);
+    if (shapes_ != nullptr) shapes_->list().shapes.push_back(shape);
     if (scene_.faces.size() > options_.max_faces) {
       throw InputError("the assembly has more than " + std::to_string(options_.max_faces) + " faces, instances counted",
                        scene_.files.back().path, "read a part of it at a time");

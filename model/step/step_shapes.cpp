@@ -23,7 +23,7 @@
 #include <unistd.h>
 
 #include "model/step/convert_solid.h"
-#include "model/step/step_shapes_data.h"
+#include "model/step/shape_list.h"
 
 namespace lamella {
 namespace {
@@ -125,9 +125,9 @@ TriangleMesh mesh_of(const TopoDS_Shape& shape) {
   return mesh;
 }
 
-std::vector<TopoDS_Shape> solids_of(const StepShapes::Data& data, std::span<const SolidId> solids) {
+std::vector<TopoDS_Shape> solids_of(const step::ShapeList& list, std::span<const SolidId> solids) {
   std::vector<TopoDS_Shape> shapes;
-  for (const SolidId solid : solids) shapes.push_back(step::without_scaling(data.shapes.at(solid.value())));
+  for (const SolidId solid : solids) shapes.push_back(step::without_scaling(list.shapes.at(solid.value())));
   return shapes;
 }
 
@@ -184,17 +184,17 @@ std::vector<double> intersect_ray(IntCurvesFace_ShapeIntersector& intersector, c
 
 }  // namespace
 
-StepShapes::StepShapes() : data_(std::make_unique<Data>()) {}
+StepShapes::StepShapes() : list_(std::make_unique<step::ShapeList>()) {}
 StepShapes::~StepShapes() = default;
 StepShapes::StepShapes(StepShapes&&) noexcept = default;
 StepShapes& StepShapes::operator=(StepShapes&&) noexcept = default;
 
-std::size_t StepShapes::size() const { return data_->shapes.size(); }
+std::size_t StepShapes::size() const { return list_->shapes.size(); }
 
 Tessellation StepShapes::tessellate(std::span<const SolidId> solids, const TessellationOptions& options,
                                     const Progress& progress) {
   try {
-    return run(solids_of(*data_, solids), options, progress);
+    return run(solids_of(*list_, solids), options, progress);
   } catch (const Standard_Failure& failure) {
     throw GeometryError(std::string("OpenCASCADE can't tessellate the model: ") + failure.GetMessageString(), {},
                         "choose another deflection");
@@ -207,7 +207,7 @@ std::vector<std::vector<double>> StepShapes::intersect(SolidId solid, std::span<
   std::vector<std::vector<double>> depths;
   try {
     IntCurvesFace_ShapeIntersector intersector;
-    intersector.Load(step::without_scaling(data_->shapes.at(solid.value())), kConfusion);
+    intersector.Load(step::without_scaling(list_->shapes.at(solid.value())), kConfusion);
     for (const Ray& ray : rays) {
       progress.throw_if_cancelled();
       depths.push_back(intersect_ray(intersector, ray));

@@ -13,6 +13,10 @@
 
 namespace lamella {
 
+namespace step {
+struct ShapeList;
+}
+
 /// How finely OpenCASCADE's mesher works, and when it is stopped.
 struct TessellationOptions {
   double deflection = 0.1;  ///< mm, the largest distance from the surface that is asked for
@@ -55,12 +59,11 @@ class StepShapes {
   [[nodiscard]] std::vector<std::vector<double>> intersect(SolidId solid, std::span<const Ray> rays,
                                                            const Progress& progress = {}) const;
 
-  struct Data;
   /// For the reader.
-  [[nodiscard]] Data& data() { return *data_; }
+  [[nodiscard]] step::ShapeList& list() { return *list_; }
 
  private:
-  std::unique_ptr<Data> data_;
+  std::unique_ptr<step::ShapeList> list_;
 };
 
 }  // namespace lamella
