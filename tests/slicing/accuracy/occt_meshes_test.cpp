@@ -154,6 +154,36 @@ TEST(MeshDistance, AgreesWithOpenCascadesExtrema) {
   }
 }
 
+// Fine meshes of OpenCASCADE's lie further from the surface than asked for in places (docs/accuracy.md). There too its
+// own extrema say the same.
+TEST(MeshDistance, AgreesWithOpenCascadesExtremaWhereItIsLargest) {
+  Model model = read_model(dataset("housing_102"));
+  const Tessellation mesh = tessellate(model, 0.003);
+  const std::vector<TopoDS_Solid> solids = occt_solids(dataset("housing_102"));
+  double largest = 0.0;
+  for (std::size_t s = 0; s < solids.size(); ++s) {
+    const NearestPoint nearest(model.scene, faces_of(model.scene, model.solids[s]));
+    TopoDS_Shell shell;
+    for (TopExp_Explorer it(solids[s], TopAbs_SHELL); it.More(); it.Next()) shell = TopoDS::Shell(it.Current());
+    std::vector<std::pair<double, Vec3>> middles;
+    for (const auto& t : mesh.solids[s].triangles) {
+      const auto& v = mesh.solids[s].vertices;
+      const Vec3 middle = (v[t[0]] + v[t[1]] + v[t[2]]) / 3.0;
+      middles.emplace_back(nearest.find(middle)->distance, middle);
+    }
+    const auto farther = [](const auto& a, const auto& b) { return a.first > b.first; };
+    std::partial_sort(middles.begin(), middles.begin() + 10, middles.end(), farther);
+    for (std::size_t i = 0; i < 10; ++i) {
+      const Vec3& p = middles[i].second;
+      const BRepExtrema_DistShapeShape distance(BRepBuilderAPI_MakeVertex(gp_Pnt(p.x(), p.y(), p.z())).Vertex(), shell);
+      EXPECT_NEAR(middles[i].first, distance.Value(), 1e-6) << s << ": " << p.transpose();
+      largest = std::max(largest, distance.Value());
+    }
+  }
+  RecordProperty("largest_distance_in_nm", static_cast<int>(largest * 1e6));
+  EXPECT_GT(largest, 0.5 * 0.003);
+}
+
 // A cylinder's mesh is a prism over a regular polygon, so all of its errors are known from its number of sides.
 TEST(Cylinder, MeshErrorsAreThoseOfItsPrism) {
   constexpr double kRadius = 7.0;
