@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
+#include "core/xml.h"
 #include "slicing/accuracy/exact_side.h"
 #include "slicing/accuracy/process.h"
 #include "slicing/accuracy/stl_side.h"
@@ -14,6 +16,8 @@ namespace {
 
 /// Rays of the finest lattice to integrate on that is chosen unasked.
 constexpr double kMostRays = 2e6;
+/// And of one that was asked for: a few minutes.
+constexpr double kMostRaysAsked = 1e8;
 
 Box3 bounds_of(const IdVector<SolidId, SolidMeasure>& measures, const std::vector<SolidId>& solids) {
   Box3 bounds;
@@ -82,11 +86,34 @@ LatticeResult integrate_at(const SlabEngine& engine, const IdVector<SolidId, Sol
   return result;
 }
 
+/// From coarse to fine.
+std::vector<LatticeResult> integrate_all(const SlabEngine& engine, const IdVector<SolidId, SolidMeasure>& measures,
+                                         const std::vector<SolidId>& solids, std::vector<double> pitches,
+                                         const Progress& progress, int threads) {
+  std::sort(pitches.begin(), pitches.end(), std::greater<>());
+  std::vector<LatticeResult> results;
+  for (const double pitch : pitches) {
+    progress.report("integrating", static_cast<double>(results.size()) / static_cast<double>(pitches.size()));
+    results.push_back(integrate_at(engine, measures, solids, pitch, progress, threads));
+  }
+  return results;
+}
+
+/// Refuses lattices that would take hours, before long work starts.
+void check_pitches(const std::vector<double>& pitches, const Vec3& size) {
+  for (const double pitch : pitches) {
+    const double rays = std::max(1.0, size.y() / pitch) * std::max(1.0, size.z() / pitch);
+    if (rays <= kMostRaysAsked) continue;
+    throw UsageError("a lattice of pitch " + format_double(pitch) + " mm has more than 1e8 rays on this model",
+                     "--pitches", "give coarser ones");
+  }
+}
+
 /// The pitch that gives about as many rays as asked for over the box.
 double pitch_of_rays(const Vec3& size, std::size_t rays) {
   const double area = size.y() * size.z();
-  if (area > 0.0) return std::sqrt(area / static_cast<double>(rays));
-  return std::max(size.y(), size.z()) / static_cast<double>(rays);
+  const double along = std::max(size.y(), size.z()) / static_cast<double>(rays);  // all in one row or layer
+  return std::max(along, std::sqrt(area / static_cast<double>(rays)));
 }
 
 }  // namespace
@@ -96,6 +123,8 @@ StudyResult run_study(const Scene& scene, const IdVector<SolidId, SolidMeasure>&
   StudyResult result;
   result.solids = choose_solids(scene, measures, false);
   describe(scene, measures, result);
+  const std::vector<double> pitches = options.pitches.empty() ? choose_pitches(result.size) : options.pitches;
+  check_pitches(pitches, result.size);
   const Box3 bounds = bounds_of(measures, result.solids);
   result.pitch = pitch_of_rays(result.size, options.rays);
   const LayerPlan plan = plan_of_pitch(bounds, result.pitch);
@@ -117,17 +146,10 @@ StudyResult run_study(const Scene& scene, const IdVector<SolidId, SolidMeasure>&
   result.direct.slice_seconds = cut.seconds();
   for (const Crossings& crossings : exact.crossings) result.direct.hits += crossings.size();
 
-  progress.report("asking the certified engine", 0.0);
   ask_oracle(scene, measures, result.solids, exact.lattice, exact.crossings, options.oracle_rays, progress,
              options.threads, result.direct);
-  progress.report("asking OpenCASCADE", 0.0);
   ask_occt(shapes, measures, result.solids, exact.lattice, exact.crossings, options, progress, result.direct);
-  progress.report("integrating", 0.0);
-  std::vector<double> pitches = options.pitches.empty() ? choose_pitches(result.size) : options.pitches;
-  std::sort(pitches.begin(), pitches.end(), std::greater<>());
-  for (const double pitch : pitches) {
-    result.lattices.push_back(integrate_at(engine, measures, result.solids, pitch, progress, options.threads));
-  }
+  result.lattices = integrate_all(engine, measures, result.solids, pitches, progress, options.threads);
   exact.areas = exact_section_areas(scene, measures, result.solids, exact.lattice.z, progress, options.threads);
   result.stl = study_stl(exact, shapes, options, progress);
   return result;

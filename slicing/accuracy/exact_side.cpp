@@ -1,6 +1,7 @@
 #include "slicing/accuracy/exact_side.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <functional>
 #include <random>
@@ -21,6 +22,9 @@ RowLattice row_lattice(const LayerPlan& plan) {
   lattice.last_row = plan.grid.size[1];
   return lattice;
 }
+
+constexpr const char* kOracleStage = "asking the certified engine";
+constexpr const char* kOcctStage = "asking OpenCASCADE";
 
 /// Place of each solid among those studied, or none.
 std::vector<std::size_t> places_of(std::span<const SolidId> solids) {
@@ -129,10 +133,12 @@ void ask_oracle(const Scene& scene, const IdVector<SolidId, SolidMeasure>& measu
   for (std::size_t ray = step / 2; ray < lattice.rays(); ray += step) rays.push_back(static_cast<std::uint32_t>(ray));
   std::vector<SolidCrossings> found(rays.size(), SolidCrossings(solids.size()));
   std::vector<CastCounters> casts(rays.size());
+  std::atomic<std::size_t> done = 0;
   parallel_for(
       rays.size(),
       [&](std::size_t i) {
         progress.throw_if_cancelled();
+        progress.report(kOracleStage, static_cast<double>(done++) / static_cast<double>(rays.size()));
         const double y = lattice.ray_y(rays[i]);
         const double z = lattice.ray_z(rays[i]);
         SolidCast cast;
@@ -175,6 +181,7 @@ void ask_occt(const StepShapes& shapes, const IdVector<SolidId, SolidMeasure>& m
   const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
   for (const auto& [ray, s] : pairs) {
     if (result.occt_rays >= options.occt_rays || seconds() > options.occt_seconds) break;
+    progress.report(kOcctStage, static_cast<double>(result.occt_rays) / static_cast<double>(options.occt_rays));
     const Ray line{Vec3(0.0, lattice.ray_y(ray), lattice.ray_z(ray)), Vec3::UnitX()};
     const std::vector<double> depths = shapes.intersect(solids[s], std::span(&line, 1), progress)[0];
     ++result.occt_rays;

@@ -126,6 +126,13 @@ TEST(Study, QuadratureKeepsItsBound) {
   EXPECT_LT(result.lattices[2].volume_error, result.lattices[0].volume_error);
 }
 
+TEST(Study, LatticesOfHoursAreRefusedAtOnce) {
+  Model model = read_model("nested_spheres");
+  StudyOptions options = few({1.0});
+  options.pitches = {1.0, 1e-4};
+  EXPECT_THROW((void)study(model, options), UsageError);
+}
+
 TEST(Study, WhatWouldBeTooManyTrianglesIsSkippedBeforeItIsMade) {
   Model model = read_model("nested_spheres");
   StudyOptions options = few({1.0, 0.1, 1e-5, 1e-7});
