@@ -49,11 +49,14 @@ std::string accuracy_line(const accuracy::LatticeChoice& choice) {
       choice.wanted, choice.surface_bound, choice.offset_bound, choice.file_tolerance);
 }
 
-Json choice_json(const accuracy::LatticeChoice& choice) {
-  return {{"wanted", choice.wanted},
-          {"surface_bound", choice.surface_bound},
-          {"offset_bound", choice.offset_bound},
-          {"file_tolerance", choice.file_tolerance}};
+Json with_accuracy(Json object, const std::optional<accuracy::LatticeChoice>& choice) {
+  if (choice) {
+    object["accuracy"] = {{"wanted", choice->wanted},
+                          {"surface_bound", choice->surface_bound},
+                          {"offset_bound", choice->offset_bound},
+                          {"file_tolerance", choice->file_tolerance}};
+  }
+  return object;
 }
 
 }  // namespace lamella::apps

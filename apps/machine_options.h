@@ -21,7 +21,7 @@ accuracy::LatticeChoice apply_accuracy(const Session& session, const Assembly& a
                                        const std::optional<std::string>& machine, PlanOptions& plan);
 /// One line for people.
 [[nodiscard]] std::string accuracy_line(const accuracy::LatticeChoice& choice);
-/// {"wanted","surface_bound","offset_bound","file_tolerance"}
-[[nodiscard]] Json choice_json(const accuracy::LatticeChoice& choice);
+/// Adds "accuracy":{"wanted","surface_bound","offset_bound","file_tolerance"} if there is a choice.
+[[nodiscard]] Json with_accuracy(Json object, const std::optional<accuracy::LatticeChoice>& choice);
 
 }  // namespace lamella::apps

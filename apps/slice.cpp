@@ -78,11 +78,7 @@ ExitCode finish(const Session& session, const SliceRequest& request, const Slice
   if (code != ExitCode::ok) {
     session.terminal().warn("the error budget is exceeded: the outputs are written but can't be fully trusted");
   }
-  if (session.json()) {
-    Json object = slice_json(outcome);
-    if (outcome.accuracy) object["accuracy"] = choice_json(*outcome.accuracy);
-    session.print(object);
-  }
+  if (session.json()) session.print(with_accuracy(slice_json(outcome), outcome.accuracy));
   session.print(slice_text(outcome));
   return code;
 }
@@ -112,7 +108,7 @@ ExitCode run(const Session& session, const SliceRequest& request) {
 
   if (request.dry_run) {
     const Estimate estimate = estimate_run(session, request, assembly, plan, engine);
-    if (session.json()) session.print(estimate_json(estimate, plan));
+    if (session.json()) session.print(with_accuracy(estimate_json(estimate, plan), choice));
     session.print(estimate_text(estimate));
     return ExitCode::ok;
   }

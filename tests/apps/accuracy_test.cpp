@@ -151,6 +151,7 @@ TEST(SliceAccuracy, KeepsToTheMachine) {
   const CommandResult can = run_lamella(slice + " --accuracy 0.05");
   ASSERT_EQ(can.exit_code, 0) << can.errors;
   EXPECT_DOUBLE_EQ(parse_output(can)["grid"]["pitch"][2].get<double>(), 0.0135);
+  EXPECT_LE(parse_output(can)["accuracy"]["offset_bound"], 0.05);
   const CommandResult cant = run_lamella(slice + " --accuracy 0.01");
   EXPECT_EQ(cant.exit_code, 1);
   EXPECT_THAT(cant.errors, HasSubstr("with its pitch and thinnest layers it reaches"));
