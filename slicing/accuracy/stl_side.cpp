@@ -23,18 +23,33 @@ constexpr double kFreeBytes = 1e9;  ///< and that much besides
 
 /// The first mesh to predict others from is this part of the model's size coarse.
 constexpr double kFirstProbe = 50.0;
+constexpr double kLeastStep = 2.0;  ///< nearer to what is asked for, another mesh tells nothing new
 
-/// A mesh whose triangles are known, to predict those of finer ones.
+/// What part of the time allowed a mesh may take that is only made to predict another.
+constexpr double kProbeTime = 0.25;
+
+/// What is known of a mesh, to predict finer ones.
 struct Known {
   double deflection = 0.0;
   double triangles = 0.0;
+  double seconds = 0.0;
 
-  /// At most as many, for a surface that bends in both directions; one that bends in one has their square root.
-  [[nodiscard]] double predict(double finer) const { return triangles * deflection / finer; }
+  /// How many times finer a mesh may be at least within limits: surfaces that bend in both directions have as many
+  /// times more triangles, and the mesher's time was measured to grow with up to their square.
+  [[nodiscard]] double allowed_ratio(double most_triangles, double most_seconds) const {
+    return std::min(most_triangles / std::max(1.0, triangles), std::sqrt(most_seconds / std::max(1e-3, seconds)));
+  }
 };
 
 std::string millions(double count) {
   return count < 1e5 ? format_double(std::round(count)) : format_double(std::round(count / 1e4) / 100.0) + " million";
+}
+
+/// Two digits, for messages.
+double round_to_digits(double value) {
+  if (!(value > 0.0)) return 0.0;
+  const double unit = std::pow(10.0, 1.0 - std::floor(std::log10(value)));
+  return std::round(value * unit) / unit;
 }
 
 class StlStudy {
@@ -82,12 +97,12 @@ class StlStudy {
     } else if (!mesh.stopped.empty()) {
       reason_ = over_triangles("");
     } else {
-      known_ = {deflection, static_cast<double>(mesh.triangles)};
+      known_ = {deflection, static_cast<double>(mesh.triangles), mesh.seconds};
     }
   }
 
-  /// Makes sure that a tessellation stays within the limit before it is begun, since it can't be asked while it runs:
-  /// from coarser meshes, as few as possible. Sets the reason if it doesn't.
+  /// Makes sure that a tessellation stays within the limits before it is begun, since the mesher rarely asks while it
+  /// is busy with one face: by coarser meshes, as few as possible. Sets the reason if it might not.
   void probe_for(double deflection) {
     const auto most = static_cast<double>(options_.max_triangles);
     if (known_.deflection == 0.0) {
@@ -95,16 +110,28 @@ class StlStudy {
       if (deflection >= first) return;
       note(tessellate(first), first);
     }
-    while (reason_.empty() && known_.predict(deflection) > most) {
+    while (reason_.empty()) {
       const double ratio = known_.deflection / deflection;
-      const double middle = deflection * std::sqrt(ratio);
-      if (ratio < 2.0 || known_.predict(middle) > most) {
-        reason_ = over_triangles(" feared: there are " + millions(known_.triangles) + " at " +
-                                 format_double(known_.deflection) + " mm");
+      if (ratio <= known_.allowed_ratio(most, options_.max_seconds)) return;
+      const double step = std::min(std::sqrt(ratio), known_.allowed_ratio(most, kProbeTime * options_.max_seconds));
+      if (ratio < kLeastStep || step < std::sqrt(kLeastStep)) {
+        reason_ = fear();
         return;
       }
+      const double middle = known_.deflection / step;
       note(tessellate(middle), middle);
     }
+  }
+
+  /// Why a finer mesh than the known one isn't begun.
+  [[nodiscard]] std::string fear() const {
+    const std::string so_far = " feared: at " + format_double(round_to_digits(known_.deflection)) + " mm there are " +
+                               millions(known_.triangles) + " triangles in " +
+                               format_double(round_to_digits(known_.seconds)) + " s";
+    const bool by_number = static_cast<double>(options_.max_triangles) / known_.triangles <
+                           std::sqrt(options_.max_seconds / std::max(1e-3, known_.seconds));
+    if (by_number) return over_triangles(so_far);
+    return "over " + format_double(options_.max_seconds) + " s of tessellating" + so_far;
   }
 
   void measure(StlResult& result) {
