@@ -6,18 +6,18 @@
 namespace lamella::apps {
 
 Assembly read_assembly(const Session& session, const std::vector<std::string>& files,
-                       const std::optional<std::string>& materials) {
+                       const std::optional<std::string>& materials, StepShapes* shapes) {
   std::vector<StepPart> parts;
   for (const std::string& file : files) parts.push_back({file, {}});
-  return read_assembly(session, parts, materials);
+  return read_assembly(session, parts, materials, shapes);
 }
 
 Assembly read_assembly(const Session& session, std::span<const StepPart> parts,
-                       const std::optional<std::string>& materials) {
+                       const std::optional<std::string>& materials, StepShapes* shapes) {
   std::optional<MaterialRules> rules;
   if (materials) rules = read_material_rules(*materials);
   Assembly assembly;
-  assembly.scene = read_step_parts(parts, {}, session.progress());
+  assembly.scene = read_step_parts(parts, {}, session.progress(), shapes);
   assembly.findings = assembly.scene.findings;
   if (rules) {
     const std::vector<Finding> unused = find_unused_rules(assembly.scene, *rules);

@@ -11,6 +11,7 @@
 #include "model/measure.h"
 #include "model/scene.h"
 #include "model/step/read_step.h"
+#include "model/step/step_shapes.h"
 
 namespace lamella::apps {
 
@@ -24,10 +25,11 @@ struct Assembly {
 
 /// Reads STEP files as one assembly and says on stderr what is doubtful. The materials file, if any, is read first, so
 /// that a slip in it costs no waiting. Throws InputError, UsageError, Cancelled.
+/// `shapes`, if given, gets what tessellations are made of.
 [[nodiscard]] Assembly read_assembly(const Session& session, std::span<const StepPart> parts,
-                                     const std::optional<std::string>& materials);
+                                     const std::optional<std::string>& materials, StepShapes* shapes = nullptr);
 [[nodiscard]] Assembly read_assembly(const Session& session, const std::vector<std::string>& files,
-                                     const std::optional<std::string>& materials);
+                                     const std::optional<std::string>& materials, StepShapes* shapes = nullptr);
 
 /// Fills `measures`.
 void measure_assembly(const Session& session, Assembly& assembly);

@@ -61,6 +61,7 @@ ExitCode run(int argc, char** argv, Terminal& terminal, CommonOptions& common) {
   add_export(program, common, action);
   add_plan(program, common, action);
   add_view(program, common, action);
+  add_accuracy(program, common, action);
   add_check(program, common, action);
   program.footer(
       "Examples:\n"

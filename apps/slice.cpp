@@ -4,6 +4,7 @@
 #include "apps/adaptive_report.h"
 #include "apps/assembly.h"
 #include "apps/dry_run.h"
+#include "apps/machine_options.h"
 #include "apps/options.h"
 #include "apps/orientation.h"
 #include "apps/slice_options.h"
@@ -94,7 +95,7 @@ ExitCode finish(const Session& session, const SliceRequest& request, const Slice
     session.terminal().warn("the error budget is exceeded: the outputs are written but can't be fully trusted");
   }
   if (session.json()) {
-    Json object = slice_json(outcome);
+    Json object = with_accuracy(slice_json(outcome), outcome.accuracy);
     if (request.format.turn) object["rotation"] = json_of(*request.format.turn);
     session.print(object);
   }
@@ -120,11 +121,17 @@ ExitCode run(const Session& session, SliceRequest& request) {
 
   measure_assembly(session, assembly);
   if (request.orient) turn_assembly(session, assembly, request);
-  LayerPlan plan = plan_layers(bounds_of(assembly), request.plan);
   const std::vector<SolidId> solids = choose_solids(assembly.scene, assembly.measures, request.slice.allow_open);
+  PlanOptions plan_options = request.plan;
+  std::optional<accuracy::LatticeChoice> choice;
+  if (request.accuracy) {
+    choice = apply_accuracy(session, assembly, solids, *request.accuracy, request.machine, plan_options);
+  }
+  LayerPlan plan = plan_layers(bounds_of(assembly), plan_options);
   std::optional<AdaptivePlan> adaptive;
   if (request.adaptive) adaptive = choose_layers(session, request, assembly, solids, plan);
   session.print(lattice_text(plan) + "\n");
+  if (choice) session.print(accuracy_line(*choice) + "\n");
   if (adaptive) session.print(adaptive_text(*adaptive, assembly, request.adaptive->deviation));
   const Json adaptive_report = adaptive ? adaptive_json(*adaptive, assembly, request.adaptive->deviation) : Json();
   const SlabEngine engine = make_engine(assembly.scene, assembly.measures, solids, request.slice, session.progress());
@@ -133,7 +140,7 @@ ExitCode run(const Session& session, SliceRequest& request) {
   if (request.dry_run) {
     const Estimate estimate = estimate_run(session, request, assembly, plan, engine);
     if (session.json()) {
-      Json object = estimate_json(estimate, plan);
+      Json object = with_accuracy(estimate_json(estimate, plan), choice);
       if (adaptive) object["adaptive"] = adaptive_report;
       session.print(object);
     }
@@ -143,7 +150,7 @@ ExitCode run(const Session& session, SliceRequest& request) {
   const SliceReport report = run_slicer(session, request, assembly, plan, engine, timing);
   if (request.adaptive_chart) write_chart(*request.adaptive_chart, *adaptive, request);
   timing.total = total.seconds();
-  return finish(session, request, {assembly, plan, report, request.outputs, timing, adaptive_report});
+  return finish(session, request, {assembly, plan, report, request.outputs, timing, choice, adaptive_report});
 }
 
 }  // namespace
@@ -159,6 +166,7 @@ void add_slice(CLI::App& program, CommonOptions& common, Action& action) {
       "  lamella slice grip.step -o build\n"
       "  lamella slice grip.step insert.step -o build --materials grip.xml --layer-height 0.1 --pitch 0.05\n"
       "  lamella slice grip.step -o build --dpi 600,300 --layer-height 0.027 --png images --vdb grip.vdb\n"
+      "  lamella slice grip.step -o build --accuracy 0.05\n"
       "  lamella slice grip.step --png-indexed images            (no build kept)\n"
       "  lamella slice grip.step -o build --machine datasets/machines/material_jetting.xml\n"
       "  lamella slice grip.step -o build --adaptive 0.02 --adaptive-range 0.05,0.3 --adaptive-chart layers.svg\n"

@@ -55,6 +55,17 @@ std::optional<HatchLattice> read_hatch(const CLI::App& verb) {
   return hatch;
 }
 
+/// It decides what these options decide.
+std::optional<double> read_accuracy(const CLI::App& verb) {
+  const auto accuracy = given(verb, "--accuracy");
+  if (!accuracy) return std::nullopt;
+  for (const char* other : {"--pitch", "--dpi", "--layer-height"}) {
+    if (!given(verb, other)) continue;
+    throw UsageError(std::string("--accuracy and ") + other + " exclude each other", {}, "give one of them");
+  }
+  return parse_positive("--accuracy", *accuracy);
+}
+
 PlanOptions read_plan(const CLI::App& verb) {
   PlanOptions plan;
   if (const auto height = given(verb, "--layer-height")) plan.layer_height = parse_positive("--layer-height", *height);
@@ -97,6 +108,7 @@ void add_slice_options(CLI::App& verb) {
   add_adaptive_options(verb);
   add_value(verb, "--pitch", "pitch of the raster, both axes or x,y (default: about 1000 rows)", "MM[,MM]");
   add_value(verb, "--dpi", "the same as dots per inch", "DPI[,DPI]");
+  add_value(verb, "--accuracy", "pitch and layer height that keep voxels this close to the exact surface", "MM");
   add_value(verb, "--origin", "lower corner of the first voxel, mm (default: the lower bounds)", "X,Y,Z");
   add_value(verb, "--hatch-spacing", "also hatch rows at this distance", "MM");
   add_value(verb, "--hatch-angle", "of the first layer's hatch rows, degree", "DEG");
@@ -162,7 +174,12 @@ SliceRequest read_slice_request(CLI::App& verb, const std::vector<std::string>& 
   request.machine = given(verb, "--machine");
   request.adaptive = read_adaptive_options(verb);
   request.adaptive_chart = given(verb, "--adaptive-chart");
-  apply_machine(request.machine, request.plan, request.adaptive);
+  request.accuracy = read_accuracy(verb);
+  if (request.accuracy && request.adaptive) {
+    throw UsageError("--accuracy and --adaptive exclude each other", {},
+                     "give --adaptive with a --pitch, or --accuracy alone");
+  }
+  if (!request.accuracy) apply_machine(request.machine, request.plan, request.adaptive ? &*request.adaptive : nullptr);
   if (const auto spec = given(verb, "--orient")) {
     request.orient = read_orient_options(verb, "--orient", *spec);
     request.orient->plan = request.plan;

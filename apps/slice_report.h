@@ -1,11 +1,13 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "apps/assembly.h"
 #include "apps/json.h"
 #include "apps/outputs.h"
+#include "slicing/accuracy/choose_lattice.h"
 #include "slicing/layer_plan.h"
 #include "slicing/report.h"
 
@@ -27,7 +29,8 @@ struct SliceOutcome {
   const SliceReport& report;
   const std::vector<Output>& outputs;
   Timing timing;
-  Json adaptive;  ///< of --adaptive, else null
+  std::optional<accuracy::LatticeChoice> accuracy;  ///< what --accuracy chose
+  Json adaptive;                                    ///< of --adaptive, else null
 };
 
 /// "lattice: 400 x 300 x 100 voxels of ..., 100 layers, 30000 rays"

@@ -14,6 +14,7 @@ void add_ray(CLI::App& program, CommonOptions& common, Action& action);
 void add_export(CLI::App& program, CommonOptions& common, Action& action);
 void add_plan(CLI::App& program, CommonOptions& common, Action& action);
 void add_view(CLI::App& program, CommonOptions& common, Action& action);
+void add_accuracy(CLI::App& program, CommonOptions& common, Action& action);
 void add_check(CLI::App& program, CommonOptions& common, Action& action);
 
 }  // namespace lamella::apps

@@ -74,14 +74,6 @@ bool is_scaled(const gp_Trsf& placement) {
   return std::abs(std::abs(placement.ScaleFactor()) - 1.0) > kUnscaled;
 }
 
-/// The shape with a scaled placement worked into its geometry; the model's parameters are lengths and can't be scaled.
-TopoDS_Shape without_scaling(const TopoDS_Shape& shape) {
-  const gp_Trsf placement = shape.Location().Transformation();
-  if (!is_scaled(placement)) return shape;
-  const TopoDS_Shape bare = shape.Located(TopLoc_Location());
-  return BRepBuilderAPI_Transform(bare, placement, Standard_True).Shape();
-}
-
 /// Completes an instance by its placement; without one that the model has, it is none.
 void place_instance(const TopoDS_Shape& shape, std::optional<Instance>& instance) {
   const gp_Trsf trsf = shape.Location().Transformation();
@@ -351,6 +343,13 @@ VertexId SolidConverter::vertex_id(const TopoDS_Vertex& vertex) {
 }
 
 }  // namespace
+
+TopoDS_Shape without_scaling(const TopoDS_Shape& shape) {
+  const gp_Trsf placement = shape.Location().Transformation();
+  if (!is_scaled(placement)) return shape;
+  const TopoDS_Shape bare = shape.Located(TopLoc_Location());
+  return BRepBuilderAPI_Transform(bare, placement, Standard_True).Shape();
+}
 
 void append_solid(Scene& scene, const SolidSource& source, const EntityIndex& entities, const FaceColors& colors) {
   SolidConverter(scene, entities, colors).run(source);

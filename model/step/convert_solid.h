@@ -23,4 +23,7 @@ using FaceColors = std::unordered_map<const void*, Color>;
 /// `scene.findings`, and makes the solid's status `invalid`, or `empty` when no face is left.
 void append_solid(Scene& scene, const SolidSource& source, const EntityIndex& entities, const FaceColors& colors);
 
+/// The shape with a scaled placement worked into its geometry; the model's parameters are lengths and can't be scaled.
+[[nodiscard]] TopoDS_Shape without_scaling(const TopoDS_Shape& shape);
+
 }  // namespace lamella::step

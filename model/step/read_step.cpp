@@ -15,8 +15,10 @@
 #include "model/step/raw_properties.h"
 #include "model/step/raw_structure.h"
 #include "model/step/raw_topology.h"
+#include "model/step/shape_list.h"
 #include "model/step/solid_report.h"
 #include "model/step/step_session.h"
+#include "model/step/step_shapes.h"
 #include "model/step/text.h"
 #include "model/topology.h"
 
@@ -181,7 +183,8 @@ std::vector<step::RootPlace> root_places(const StepPart& part) {
 /// Reads files into one scene.
 class Reader {
  public:
-  Reader(const StepOptions& options, const Progress& progress) : options_(options), progress_(progress) {}
+  Reader(const StepOptions& options, const Progress& progress, StepShapes* shapes)
+      : options_(options), progress_(progress), shapes_(shapes) {}
 
   void read(const StepPart& part);
   Scene finish();
@@ -201,6 +204,7 @@ class Reader {
 
   const StepOptions& options_;
   const Progress& progress_;
+  StepShapes* shapes_;
   Scene scene_;
   std::vector<step::PendingFaults> pending_;
   std::set<std::string> paths_;
@@ -292,6 +296,7 @@ void Reader::convert(const step::Assembly& assembly, const step::EntityIndex& en
     source.info.instance.emplace().body = body;
     make_unique(source.info.path);
     step::append_solid(scene_, source, entities, assembly.colors);
+    if (shapes_ != nullptr) shapes_->list().shapes.push_back(shape);
     if (scene_.faces.size() > options_.max_faces) {
       throw InputError("the assembly has more than " + std::to_string(options_.max_faces) + " faces, instances counted",
                        scene_.files.back().path, "read a part of it at a time");
@@ -337,11 +342,12 @@ Scene read_step(std::span<const std::filesystem::path> files, const StepOptions&
   return read_step_parts(parts, options, progress);
 }
 
-Scene read_step_parts(std::span<const StepPart> parts, const StepOptions& options, const Progress& progress) {
+Scene read_step_parts(std::span<const StepPart> parts, const StepOptions& options, const Progress& progress,
+                      StepShapes* shapes) {
   if (parts.empty()) throw InputError("no STEP file given");
   check_placements(parts);
   const step::ImportGuard guard;
-  Reader reader(options, progress);
+  Reader reader(options, progress, shapes);
   for (const StepPart& part : parts) {
     progress.throw_if_cancelled();
     reader.read(part);

@@ -12,6 +12,8 @@
 
 namespace lamella {
 
+class StepShapes;
+
 struct StepOptions {
   bool heal = true;                              ///< let the import repair what it can; each repair is reported
   std::size_t max_bytes = std::size_t{4} << 30;  ///< larger files are refused
@@ -40,8 +42,8 @@ inline constexpr std::size_t kMaxPlacements = 1'000'000;
 /// The same with each file read once and placed as often as asked: solids in the order of the parts, then of the
 /// placements, then of the walk. With a label the paths are "/label/...", of several copies "/label.1/...",
 /// "/label.2/..."; without one the copies' paths get numbers at their ends. Throws InputError also for placements that
-/// aren't finite, turn by no rotation or are too many.
+/// aren't finite, turn by no rotation or are too many. `shapes`, if given, gets OpenCASCADE's shapes of the solids.
 [[nodiscard]] Scene read_step_parts(std::span<const StepPart> parts, const StepOptions& options = {},
-                                    const Progress& progress = {});
+                                    const Progress& progress = {}, StepShapes* shapes = nullptr);
 
 }  // namespace lamella

@@ -59,6 +59,17 @@ TEST(Cancel, AlsoStopsTheSearchForAnOrientation) {
   EXPECT_THAT(result.errors, HasSubstr("lamella: error: cancelled"));
 }
 
+TEST(Cancel, OfAnAccuracyStudyLeavesNothing) {
+  const TemporaryFolder folder;
+  const CommandResult result =
+      interrupt("accuracy " + quoted(datasets_dir() / "nested_spheres/nested_spheres.step") +
+                    " --deflections 0.002 -o " + quoted(folder / "page.html") + " --keep-stl " + quoted(folder / "stl"),
+                "sleep 2", "kill -INT $pid");
+  EXPECT_THAT(result.output, HasSubstr("exit 130")) << result.errors;
+  EXPECT_THAT(result.errors, HasSubstr("tessellating"));
+  EXPECT_THAT(files_below(folder.path()), ::testing::IsEmpty());
+}
+
 TEST(Progress, ALongRunSpeaksWithinItsFirstSecondAndNotTooOften) {
   const TemporaryFolder folder;
   const CommandResult result = interrupt(long_run(folder), "sleep 3", "kill -INT $pid");

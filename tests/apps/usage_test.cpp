@@ -12,7 +12,7 @@ using ::testing::MatchesRegex;
 using ::testing::StartsWith;
 
 TEST(Help, EveryVerbHasExamples) {
-  for (const std::string verb : {"info", "slice", "orient", "ray", "export", "plan", "view", "check"}) {
+  for (const std::string verb : {"info", "slice", "orient", "ray", "export", "plan", "view", "accuracy", "check"}) {
     const CommandResult help = run_lamella(verb + " --help");
     EXPECT_EQ(help.exit_code, 0) << verb;
     EXPECT_THAT(help.output, HasSubstr("Examples:\n  lamella " + verb + " ")) << verb;
@@ -96,7 +96,24 @@ INSTANTIATE_TEST_SUITE_P(
         Misuse{"slice x.step --vdb v.vdb --vdb-grids fog,smoke", "'smoke' is no grid"},
         Misuse{"slice x.step --vdb v.vdb --vdb-grids ''", "--vdb-grids"},
         Misuse{"view build -o v.html --every 0", "--every"}, Misuse{"view build -o v.html --layers 3", "--layers"},
-        Misuse{"check", "path"}));
+        Misuse{"accuracy", "files"}, Misuse{"accuracy x.step --deflections 0.1,,1", "--deflections"},
+        Misuse{"accuracy x.step --deflections ''", "--deflections"},
+        Misuse{"accuracy x.step --deflections 0.1,0", "--deflections"},
+        Misuse{"accuracy x.step --deflections 1,-0.1", "--deflections"},
+        Misuse{"accuracy x.step --deflections nan", "--deflections"},
+        Misuse{"accuracy x.step --deflections 1e-9", "out of range"},
+        Misuse{"accuracy x.step --deflections 0.1mm", "--deflections"},
+        Misuse{"accuracy x.step --pitches 1,zwei", "--pitches"}, Misuse{"accuracy x.step --rays 0", "--rays"},
+        Misuse{"accuracy x.step --rays -5", "--rays"}, Misuse{"accuracy x.step --rays 1e99", "--rays"},
+        Misuse{"accuracy x.step --max-triangles 0", "--max-triangles"},
+        Misuse{"accuracy x.step --max-seconds inf", "--max-seconds"}, Misuse{"accuracy x.step --angle 100", "--angle"},
+        Misuse{"accuracy x.step --angle 0", "--angle"}, Misuse{"accuracy x.step -o x.step", "overwrite an input"},
+        Misuse{"slice x.step -o out --accuracy 0", "--accuracy"},
+        Misuse{"slice x.step -o out --accuracy nan", "--accuracy"},
+        Misuse{"slice x.step -o out --accuracy 0.1 --pitch 1", "exclude"},
+        Misuse{"slice x.step -o out --accuracy 0.1 --dpi 300", "exclude"},
+        Misuse{"slice x.step -o out --accuracy 0.1 --adaptive 0.1", "exclude"},
+        Misuse{"slice x.step -o out --accuracy 0.1 --layer-height 0.1", "exclude"}, Misuse{"check", "path"}));
 
 TEST(Errors, AreJsonOnStdoutToo) {
   const CommandResult result = run_lamella("slice x.step -o out --pitch nan --json");
@@ -111,7 +128,7 @@ TEST(Errors, AreJsonOnStdoutToo) {
 TEST(Errors, AFileThatIsntThereIsExitCodeTwo) {
   for (const std::string verb : {"info absent.step", "slice absent.step -o absent-build", "check absent.step",
                                  "ray absent.step --from 0,0,0 --dir 1,0,0", "export absent-build --to xml -o a.xml",
-                                 "view absent-build -o a.html"}) {
+                                 "view absent-build -o a.html", "accuracy absent.step"}) {
     const CommandResult result = run_lamella(verb + " --json");
     EXPECT_EQ(result.exit_code, 2) << verb << result.errors;
     EXPECT_THAT(result.errors, HasSubstr("absent")) << verb;

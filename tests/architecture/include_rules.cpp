@@ -39,7 +39,8 @@ const std::vector<ThirdParty> kThirdParties = {
 
 // C and POSIX headers that aren't third parties.
 const std::regex kSystemHeader(
-    "(unistd|fcntl|signal|fnmatch|poll|pthread|dirent|errno|iconv|stdlib|stdio|string|math|time)\\.h|sys/[a-z_]+\\.h");
+    "(unistd|fcntl|malloc|signal|fnmatch|poll|pthread|dirent|errno|iconv|stdlib|stdio|string|math|time)\\.h|sys/"
+    "[a-z_]+\\.h");
 
 std::optional<std::size_t> rank_of(std::string_view path) {
   const std::string_view folder = path.substr(0, path.find('/'));
