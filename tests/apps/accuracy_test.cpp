@@ -12,8 +12,6 @@ using ::testing::IsEmpty;
 using ::testing::Not;
 using ::testing::StartsWith;
 
-std::string spheres() { return quoted(datasets_dir() / "nested_spheres/nested_spheres.step"); }
-
 /// The study that most tests look at, made once.
 class Accuracy : public ::testing::Test {
  protected:

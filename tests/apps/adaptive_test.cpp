@@ -9,8 +9,6 @@ namespace {
 
 using ::testing::HasSubstr;
 
-std::string spheres() { return quoted(datasets_dir() / "nested_spheres/nested_spheres.step"); }
-
 std::string adaptive_run(const TemporaryFolder& folder, const std::string& more) {
   return "slice " + spheres() + " --pitch 0.5 --json -o " + quoted(folder / "build") + " " + more;
 }

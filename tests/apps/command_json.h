@@ -29,6 +29,7 @@ inline void expect_keys(const Json& object, std::initializer_list<const char*> k
 
 /// A shipped assembly of a few boxes: fast to slice.
 inline std::string boxes() { return quoted(datasets_dir() / "touching_boxes/touching_boxes.step"); }
+inline std::string spheres() { return quoted(datasets_dir() / "nested_spheres/nested_spheres.step"); }
 
 inline std::string contents(const std::filesystem::path& path) {
   std::ifstream stream(path, std::ios::binary);
