@@ -2,10 +2,10 @@
 """From STEP to pictures and to OpenVDB, on one core, next to what else does it: whole commands, one after the other.
 
 Pictures: one label PNG a layer (lamella slice --png-indexed) against PrusaSlicer's --export-sla, which writes one black
-and white picture a layer of all solids together. Volumes: lamella slice --vdb --vdb-grids fog against tessellating with OpenCASCADE at
-0.01 mm and OpenVDB's meshToVolume (bench/fog_openvdb). Neither side keeps anything else; with --store, ours keeps its
-build, too. Medians of CPU seconds. Every run writes into a folder of its own: where names and inodes were just freed,
-file systems take longer."""
+and white picture a layer of all solids together. Volumes: lamella slice --vdb --vdb-grids fog against tessellating with
+OpenCASCADE at 0.01 mm and OpenVDB's meshToVolume (bench/fog_openvdb). Neither side keeps anything else; with --store,
+ours keeps its build, too. Medians of CPU seconds. Every run writes into a folder of its own: where names and inodes were
+just freed, file systems take longer."""
 import argparse
 import json
 import os
@@ -91,7 +91,8 @@ def volume_runs(arguments, model):
     for _ in range(arguments.runs):
         place = new_place(arguments)
         ours.append(run([arguments.bin / "lamella", "slice", model, *store(arguments, place), "--vdb",
-                         place / "ours.vdb", "--vdb-grids", "fog", "--pitch", VOXEL, "--layer-height", VOXEL, "--threads", 1, "--quiet"],
+                         place / "ours.vdb", "--vdb-grids", "fog", "--pitch", VOXEL, "--layer-height", VOXEL,
+                         "--threads", 1, "--quiet"],
                         arguments.out / "ours.log"))
         theirs.append(run([arguments.bin / "fog_openvdb", model, DEFLECTION, VOXEL, place / "other.vdb"],
                           arguments.out / "other.log"))
