@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "core/xml.h"
+#include "export/tick_step.h"
 #include "materials/color.h"
 
 namespace lamella {
@@ -18,16 +19,7 @@ constexpr double kRight = 14.0;
 constexpr double kTop = 12.0;
 constexpr double kBottom = 44.0;
 constexpr std::size_t kColumns = 400;
-
-/// A step of 1, 2 or 5 times a power of ten that gives about five ticks.
-double tick_step(double range) {
-  const double raw = range / 5.0;
-  const double power = std::pow(10.0, std::floor(std::log10(raw)));
-  for (const double factor : {1.0, 2.0, 5.0}) {
-    if (raw <= factor * power) return factor * power;
-  }
-  return 10.0 * power;
-}
+constexpr double kTicks = 5.0;
 
 class Chart {
  public:
@@ -48,7 +40,7 @@ class Chart {
   void add(const std::string& text) { svg_ += text + "\n"; }
 
   void axis_z() {
-    const double step = tick_step(z_high_ - z_low_);
+    const double step = tick_step(z_high_ - z_low_, kTicks);
     for (double z = std::ceil(z_low_ / step - 1e-9) * step; z <= z_high_ + 1e-9 * step; z += step) {
       add(fmt::format("<line class=\"grid\" x1=\"{0:.1f}\" x2=\"{0:.1f}\" y1=\"{1:.1f}\" y2=\"{2:.1f}\"/>", x(z), kTop,
                       bottom()));
@@ -60,7 +52,7 @@ class Chart {
   }
 
   void axis_value(const std::string& label) {
-    const double step = tick_step(top_);
+    const double step = tick_step(top_, kTicks);
     for (double value = 0.0; value <= top_ * (1.0 + 1e-9); value += step) {
       add(fmt::format("<line class=\"grid\" x1=\"{0:.1f}\" x2=\"{1:.1f}\" y1=\"{2:.1f}\" y2=\"{2:.1f}\"/>", kLeft,
                       kWidth - kRight, y(value)));

@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "core/xml.h"
+#include "export/tick_step.h"
 
 namespace lamella {
 
@@ -24,16 +25,6 @@ constexpr const char* kStyle =
     ".flat{stroke:#2a9d5c;stroke-width:0.8}.missed{stroke:#c0392b;stroke-width:1.4}"
     ".thickness{fill:#b9d3ee;stroke:#1f5fa8;stroke-width:0.6}.deviation{fill:#f3d3b0;stroke:#b5651d;stroke-width:0.6}"
     ".limit{stroke:#c0392b;stroke-width:1.5;stroke-dasharray:6 4}";
-
-/// A step of 1, 2 or 5 times a power of ten that gives at most `ticks` ticks.
-double tick_step(double range, double ticks) {
-  const double raw = range / ticks;
-  const double power = std::pow(10.0, std::floor(std::log10(raw)));
-  for (const double factor : {1.0, 2.0, 5.0}) {
-    if (raw <= factor * power * (1.0 + 1e-9)) return factor * power;
-  }
-  return 10.0 * power;
-}
 
 class Drawing {
  public:
