@@ -79,7 +79,7 @@ void note_failed(std::vector<FailedCheck>& failed, const FailedCheck& more);
 
 /// How many consecutive layers an engine cuts as one unit of work. Slabs begin at multiples of it, whatever the number
 /// of threads, so that what an engine carries from layer to layer can't change the result.
-inline constexpr std::size_t kSlabLayers = 16;
+inline constexpr std::size_t kSlabLayers = 32;
 
 /// What an engine does for the slicer: cuts a slab of consecutive layers, ascending in z, against the solids it was
 /// made for; `out` has one entry a request. Called from several threads at once, each with its own slab.
