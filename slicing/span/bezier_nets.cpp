@@ -82,10 +82,12 @@ SurfaceNets::SurfaceNets(const BSplineSurface& surface)
 void SurfaceNets::sum_net(const Vec2& uv, int piece_u, int piece_v, bool bends, double* sums) const {
   const NetPlace u = breaks_u_.place_in(piece_u, uv[0], degree_u_);
   const NetPlace v = breaks_v_.place_in(piece_v, uv[1], degree_v_);
-  const auto pieces_v = static_cast<std::ptrdiff_t>(breaks_v_.all().size()) - 1;
-  const std::ptrdiff_t net = (piece_u * pieces_v + piece_v) * (degree_u_ + 1) * (degree_v_ + 1);
   const NetKernel& kernel = net_kernel();
-  (bends ? kernel.surface_bends : kernel.surface_slopes)(poles_.data() + kNetStride * net, u, v, sums);
+  (bends ? kernel.surface_bends : kernel.surface_slopes)(net(piece_u, piece_v), u, v, sums);
+}
+
+NetShape SurfaceNets::shape() const {
+  return {degree_u_, degree_v_, rational_, {origin_.x(), origin_.y(), origin_.z()}};
 }
 
 SurfacePoint2 SurfaceNets::evaluate(const Vec2& uv, int piece_u, int piece_v) const {

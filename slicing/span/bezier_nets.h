@@ -7,6 +7,7 @@
 #include "model/curve.h"
 #include "model/evaluate.h"
 #include "model/surface.h"
+#include "slicing/span/lane_kernel.h"
 #include "slicing/span/net_kernel.h"
 
 namespace lamella::span {
@@ -27,6 +28,7 @@ class Breaks {
   [[nodiscard]] bool empty() const { return limits_.empty(); }
   /// Among parts [first, last) the one that holds `place`; the outer ones go on without end.
   [[nodiscard]] int part_of(double place, int first, int last) const {
+    if (last - first == 1) return first;
     const double* limits = limits_.data();
     // Written so that NaN gives the first bucket.
     double bucket = (place - limits[0]) * buckets_per_length_;
@@ -61,8 +63,23 @@ class SurfaceNets {
   /// By the net number (piece_u, piece_v).
   [[nodiscard]] SurfacePoint2 evaluate(const Vec2& uv, int piece_u, int piece_v) const;
   [[nodiscard]] SurfacePoint evaluate_slopes(const Vec2& uv, int piece_u, int piece_v) const;
+  /// Has a lane evaluated at (u, v) by the net number (piece_u, piece_v).
+  void set_lane(const Vec2& uv, int piece_u, int piece_v, int lane, NetLanes& lanes) const {
+    const NetPlace u = breaks_u_.place_in(piece_u, uv[0], degree_u_);
+    const NetPlace v = breaks_v_.place_in(piece_v, uv[1], degree_v_);
+    lanes.net[lane] = net(piece_u, piece_v);
+    lanes.place_u[lane] = u.place;
+    lanes.scale_u[lane] = u.scale;
+    lanes.place_v[lane] = v.place;
+    lanes.scale_v[lane] = v.scale;
+  }
+  [[nodiscard]] NetShape shape() const;
 
  private:
+  [[nodiscard]] const double* net(int piece_u, int piece_v) const {
+    const auto pieces_v = static_cast<std::ptrdiff_t>(breaks_v_.all().size()) - 1;
+    return poles_.data() + kNetStride * (piece_u * pieces_v + piece_v) * (degree_u_ + 1) * (degree_v_ + 1);
+  }
   void sum_net(const Vec2& uv, int piece_u, int piece_v, bool bends, double* sums) const;
 
   int degree_u_ = 0;

@@ -163,8 +163,8 @@ void FaceSection::carry_families(double z, NodeTable& nodes) {
       const MonotonePiece& piece = face_->cuts[static_cast<std::size_t>(family.cut)].pieces[family.cut_piece];
       if (!piece.crosses(inner)) continue;
       const FacePoint seed = holds ? FacePoint{} : cut_point(family, inner);
-      holds =
-          holds || (seed.usable && carry(face_->surface, face_->sign, seed.point, seed.point, inner, limits_, carried));
+      holds = holds || (seed.usable && carry(face_->surface, face_->sign, seed.point, seed.point, inner, limits_, false,
+                                             work_, carried));
     } else {
       const bool is_there = std::binary_search(starts_.begin(), starts_.end(), family.begin) &&
                             std::binary_search(ends_.begin(), ends_.end(), family.end);
@@ -173,7 +173,7 @@ void FaceSection::carry_families(double z, NodeTable& nodes) {
         const FacePoint begin = layer_point(family.begin, z, inner, nodes);
         const FacePoint end = layer_point(family.end, z, inner, nodes);
         holds = begin.usable && end.usable &&
-                carry(face_->surface, face_->sign, begin.point, end.point, inner, limits_, carried);
+                carry(face_->surface, face_->sign, begin.point, end.point, inner, limits_, false, work_, carried);
       }
       if (holds) is_paired_[family.begin] = is_paired_[family.end] = 1;
     }

@@ -16,11 +16,11 @@ constexpr double kEventMargin = 1e-8;  // mm
 /// Of a unit normal: where its horizontal part is shorter, it says nothing of the section's direction.
 constexpr double kFlat = 1e-6;
 
-/// The point of the section near `uv`, as the cell sees it that the section enters there.
-std::optional<SectionPoint> starting_point(const SectionSurface& surface, const Vec2& uv, double z, double sign,
-                                           const CorrectLimits& limits) {
-  const Cell cell = surface.find_cell(uv, Vec2::Zero());
-  const auto point = correct(surface, cell, uv, z, sign, -1, limits);
+/// The point of the section near `uv`, as the cell sees it that the section enters there. `at` is the surface in `uv`,
+/// seen from `cell`.
+std::optional<SectionPoint> starting_point(const SectionSurface& surface, const Cell& cell, const SurfacePoint2& at,
+                                           const Vec2& uv, double z, double sign, const CorrectLimits& limits) {
+  const auto point = correct(surface, cell, uv, z, sign, -1, limits, &at);
   if (!point) return point;
   const Cell ahead = surface.find_cell(point->uv, point->uv_slope);
   if (ahead == cell) return point;
@@ -108,25 +108,42 @@ void FaceSection::cut_round(double z, NodeTable& nodes, Section& out) {
   }
 }
 
-void FaceSection::note_normals(const Family& family, std::size_t first, double z, NodeTable& nodes,
-                               Section& out) const {
-  // What was cut within the band, not on the layer, may turn on the little way to its nodes.
-  if (inner_height(z) != z) return;
+namespace {
+
+/// Puts the normals of an arc's nodes where those of its pieces begin and end that were followed.
+void put_normals(const Vec2& begin_normal, const Vec2& end_normal, std::size_t first, Section& out) {
   const auto is_followed = [](const SectionArc& arc) { return !arc.straight; };
   const auto begin = std::find_if(out.arcs.begin() + static_cast<std::ptrdiff_t>(first), out.arcs.end(), is_followed);
   if (begin == out.arcs.end()) return;
   const auto end = std::find_if(out.arcs.rbegin(), out.arcs.rend(), is_followed);
-  begin->begin_normal = node_normal(family.begin, nodes);
-  end->end_normal = node_normal(family.end, nodes);
+  begin->begin_normal = begin_normal;
+  end->end_normal = end_normal;
+}
+
+}  // namespace
+
+void FaceSection::note_normals(const Family& family, std::size_t first, double z, NodeTable& nodes,
+                               Section& out) const {
+  // What was cut within the band, not on the layer, may turn on the little way to its nodes.
+  if (inner_height(z) != z) return;
+  put_normals(node_normal(family.begin, nodes), node_normal(family.end, nodes), first, out);
+}
+
+void FaceSection::note_normals(const FacePoint& begin, const FacePoint& end, std::size_t first, double z,
+                               Section& out) const {
+  if (inner_height(z) == z) put_normals(begin.normal, end.normal, first, out);
 }
 
 Vec2 FaceSection::node_normal(std::uint32_t use, NodeTable& nodes) const {
   const PieceUse& piece_use = face_->uses[use];
   const Vec2 uv = chart_point(piece_use, nodes.node(piece_use.piece));
-  const SectionSurface& surface = face_->surface;
-  const Cell cell = surface.find_cell(uv, Vec2::Zero());
-  if (surface.is_near_limit(cell, uv)) return Vec2::Zero();
-  const Vec3 normal = face_->sign * surface.evaluate_slopes(uv, cell).normal();
+  const Cell cell = face_->surface.find_cell(uv, Vec2::Zero());
+  return horizontal_normal(face_->surface.evaluate_slopes(uv, cell), cell, uv);
+}
+
+Vec2 FaceSection::horizontal_normal(const SurfacePoint& at, const Cell& cell, const Vec2& uv) const {
+  if (face_->surface.is_near_limit(cell, uv)) return Vec2::Zero();
+  const Vec3 normal = face_->sign * at.normal();
   const double length = normal.norm();
   return normal.head<2>().norm() > kFlat * length ? Vec2(normal.head<2>() / length) : Vec2(Vec2::Zero());
 }
@@ -181,7 +198,10 @@ FaceSection::FacePoint FaceSection::face_point(const PieceUse& use, const Node& 
   result.chart = uv;
   result.piece = use.piece;
   const CorrectLimits limits{std::max(20.0 * result.tolerance, 1e-3 * face_->size)};
-  if (const auto point = starting_point(face_->surface, uv, z, face_->sign, limits)) {
+  const Cell cell = face_->surface.find_cell(uv, Vec2::Zero());
+  const SurfacePoint2 at = face_->surface.evaluate(uv, cell);
+  result.normal = horizontal_normal(at, cell, uv);
+  if (const auto point = starting_point(face_->surface, cell, at, uv, z, face_->sign, limits)) {
     result.point = *point;
     result.point.z = z;
     result.usable = true;
@@ -199,7 +219,9 @@ FaceSection::FacePoint FaceSection::cut_point(const Family& family, double z) co
   FacePoint result;
   result.chart = Vec2(u, cut.v);
   const CorrectLimits limits{1e-3 * face_->size};
-  const auto point = starting_point(face_->surface, result.chart, z, face_->sign, limits);
+  const Cell cell = face_->surface.find_cell(result.chart, Vec2::Zero());
+  const SurfacePoint2 at = face_->surface.evaluate(result.chart, cell);
+  const auto point = starting_point(face_->surface, cell, at, result.chart, z, face_->sign, limits);
   result.usable = point.has_value();
   if (point) result.point = *point;
   result.point.z = z;
@@ -254,6 +276,8 @@ bool FaceSection::cut_by_sheet(Family& family, double inner, NodeTable& nodes, S
   if (family.cut < 0 && !keeps_to_nodes(family, out.pieces.data() + first, count, nodes)) {
     out.pieces.resize(first);
     family.sheet.clear();
+    // An edge with a knot in this run is likely to have one in the next.
+    family.next_sheet = heights_.size();
     return false;
   }
   if (family.cut >= 0) {
@@ -295,6 +319,8 @@ void FaceSection::try_sheet(Family& family, double inner, const NodeTable& nodes
     return from.usable && to.usable;
   };
   std::size_t layers = last - layer_ + 1;
+  const double highest = inner + Sheet::kFarthest / family.carried.speed();
+  while (layers >= Sheet::kFewestLayers && heights_[layer_ + layers - 1] > highest) --layers;
   while (layers >= Sheet::kFewestLayers) {
     const double high = inner_height(heights_[layer_ + layers - 1]);
     const double error = family.sheet.build(face_->surface, face_->sign, inner, high, limits_, ends_at, family.carried);
@@ -337,7 +363,7 @@ void FaceSection::cut_traced(double z, NodeTable& nodes, Section& out) {
     const FacePoint begin = layer_point(family.begin, z, inner, nodes);
     const FacePoint end = layer_point(family.end, z, inner, nodes);
     const bool is_known = cut_arc(family, begin, end, out);
-    note_normals(family, first, z, nodes, out);
+    note_normals(begin, end, first, z, out);
     if (entered_ && end.usable) {
       end_points_.push_back(end.point);
       is_known_.push_back(is_known ? 1 : 0);
@@ -368,7 +394,8 @@ bool FaceSection::cut_arc(Family& family, const FacePoint& begin, const FacePoin
     append_chord(begin.node, end.node, begin.point.xy, end.point.xy, false, out);
     return true;
   }
-  if (!carried.empty() && carry(face_->surface, face_->sign, begin.point, end.point, z, limits_, carried)) {
+  if (!carried.empty() &&
+      carry(face_->surface, face_->sign, begin.point, end.point, z, limits_, true, work_, carried)) {
     append(begin.node, end.node, carried.arc.pieces, out);
     return true;
   }
@@ -433,7 +460,8 @@ void FaceSection::cut_loop(Family& family, double z, Section& out) {
   const FacePoint seed = cut_point(family, z);
   CarriedArc& carried = family.carried;
   if (seed.usable && !carried.empty() &&
-      (carried.z == z || carry(face_->surface, face_->sign, seed.point, seed.point, z, limits_, carried))) {
+      (carried.z == z ||
+       carry(face_->surface, face_->sign, seed.point, seed.point, z, limits_, true, work_, carried))) {
     append(seed.node, seed.node, carried.arc.pieces, out);
     return;
   }

@@ -43,9 +43,10 @@ class FaceSection {
   /// One end of an arc on this face.
   struct FacePoint {
     SectionPoint point;
-    Vec2 chart = Vec2::Zero();  ///< (u, v) in the face's chart, by the pcurve
-    std::uint32_t piece = 0;    ///< edge piece of the node
-    Vec2 node = Vec2::Zero();   ///< stored
+    Vec2 chart = Vec2::Zero();   ///< (u, v) in the face's chart, by the pcurve
+    std::uint32_t piece = 0;     ///< edge piece of the node
+    Vec2 node = Vec2::Zero();    ///< stored
+    Vec2 normal = Vec2::Zero();  ///< of the face there, by the pcurve, as SectionArc has it
     double tolerance = 0.0;
     bool usable = false;
   };
@@ -104,11 +105,14 @@ class FaceSection {
   [[nodiscard]] double height_off(const SectionPoint& a, const SectionPoint& b) const;
   void cut_loop(Family& family, double z, Section& out);
 
-  /// Notes on the arcs from number `first` on, those of one family on the layer z, what the face says in their nodes.
+  /// Notes on the arcs from number `first` on, those of one family on the layer z, what the face says in their nodes:
+  /// where these are known already, else by their pcurves.
   void note_normals(const Family& family, std::size_t first, double z, NodeTable& nodes, Section& out) const;
+  void note_normals(const FacePoint& begin, const FacePoint& end, std::size_t first, double z, Section& out) const;
   /// Horizontal part of the outward unit normal where a node lies by its pcurve; zero on a crease and where it is
   /// small.
   [[nodiscard]] Vec2 node_normal(std::uint32_t use, NodeTable& nodes) const;
+  [[nodiscard]] Vec2 horizontal_normal(const SurfacePoint& at, const Cell& cell, const Vec2& uv) const;
 
   [[nodiscard]] double inner_height(double z) const;
   /// (u, v) of a node in the face's chart, by the pcurve.
@@ -147,6 +151,7 @@ class FaceSection {
   std::vector<Family> families_;
   TracedArc traced_;
   TracedArc backward_;
+  CarryWork work_;
   std::optional<TrimRegion> own_region_;  ///< where the model has none
 
   // Of the band being entered.

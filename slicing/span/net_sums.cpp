@@ -2,110 +2,22 @@
 // have external linkage but those functions, and no inline function of a header may be used: at link time one copy of
 // those would be kept, perhaps one with instructions that an older machine lacks.
 
+#include "slicing/span/bernstein_rows.h"
 #include "slicing/span/net_kernel.h"
 
 namespace lamella::span {
 
 namespace {
 
-constexpr int kMostPoles = 26;  // kMaxDegree + 1
-
 /// One pole or sum, at any address.
 typedef double Quad __attribute__((vector_size(32), aligned(8), may_alias));
 
-/// Bernstein polynomials of one degree with first and, if asked for, second derivatives at a place.
-struct BernsteinRow {
-  double value[kMostPoles];
-  double slope[kMostPoles];
-  double bend[kMostPoles];
-};
-
-/// One step of the triangular recursion: degree n - 1 to n, in place.
-inline __attribute__((always_inline)) void raise(double* b, int n, double s) {
-  const double r = 1.0 - s;
-  b[n] = s * b[n - 1];
-  for (int i = n - 1; i > 0; --i) b[i] = r * b[i] + s * b[i - 1];
-  b[0] = r * b[0];
-}
-
-/// The derivative's row from that of one degree less: factor (b[i - 1] - b[i]).
-inline __attribute__((always_inline)) void differ(const double* b, int degree, double factor, double* out) {
-  out[0] = -factor * b[0];
-  for (int i = 1; i < degree; ++i) out[i] = factor * (b[i - 1] - b[i]);
-  out[degree] = factor * b[degree - 1];
-}
-
-template <bool Bends>
-inline __attribute__((always_inline)) void fill_general(int degree, double s, double scale, BernsteinRow& row) {
-  double* b = row.value;
-  b[0] = 1.0;
-  for (int n = 1; n <= degree - 2; ++n) raise(b, n, s);
-  if (Bends) {
-    row.bend[0] = 0.0;
-    for (int i = 1; i <= degree; ++i) row.bend[i] = 0.0;
-  }
-  if (degree >= 2) {
-    if (Bends) {
-      double first[kMostPoles];
-      differ(b, degree - 1, (degree - 1) * scale, first);
-      differ(first, degree, degree * scale, row.bend);
-    }
-    raise(b, degree - 1, s);
-  }
-  row.slope[0] = 0.0;
-  if (degree >= 1) {
-    differ(b, degree, degree * scale, row.slope);
-    raise(b, degree, s);
-  }
-}
-
-/// The degree of most surfaces, written out.
-template <bool Bends>
-inline __attribute__((always_inline)) void fill_cubic(double s, double scale, BernsteinRow& row) {
-  const double r = 1.0 - s;
-  const double rr = r * r, rs = r * s, ss = s * s;
-  row.value[0] = r * rr;
-  row.value[1] = 3.0 * s * rr;
-  row.value[2] = 3.0 * r * ss;
-  row.value[3] = s * ss;
-  const double d = 3.0 * scale;
-  row.slope[0] = -d * rr;
-  row.slope[1] = d * (rr - 2.0 * rs);
-  row.slope[2] = d * (2.0 * rs - ss);
-  row.slope[3] = d * ss;
-  if (!Bends) return;
-  const double e = 6.0 * scale * scale;
-  row.bend[0] = e * r;
-  row.bend[1] = e * (s - 2.0 * r);
-  row.bend[2] = e * (r - 2.0 * s);
-  row.bend[3] = e * s;
-}
-
-/// Where the degree is a constant, the loops are unrolled.
-template <bool Bends>
-void fill_row(const NetPlace& at, BernsteinRow& row) {
-  switch (at.degree) {
-    case 1:
-      return fill_general<Bends>(1, at.place, at.scale, row);
-    case 2:
-      return fill_general<Bends>(2, at.place, at.scale, row);
-    case 3:
-      return fill_cubic<Bends>(at.place, at.scale, row);
-    case 4:
-      return fill_general<Bends>(4, at.place, at.scale, row);
-    case 5:
-      return fill_general<Bends>(5, at.place, at.scale, row);
-    case 6:
-      return fill_general<Bends>(6, at.place, at.scale, row);
-    default:
-      return fill_general<Bends>(at.degree, at.place, at.scale, row);
-  }
-}
+using Row = BernsteinRow<double>;
 
 /// `count_v` is a constant for the usual degrees, so that the inner loops are unrolled.
 template <bool Bends>
-inline __attribute__((always_inline)) void contract(const double* net, int count_u, int count_v, const BernsteinRow& bu,
-                                                    const BernsteinRow& bv, double* out) {
+inline __attribute__((always_inline)) void contract(const double* net, int count_u, int count_v, const Row& bu,
+                                                    const Row& bv, double* out) {
   const Quad zero = {0.0, 0.0, 0.0, 0.0};
   Quad s = zero, su = zero, sv = zero, suu = zero, suv = zero, svv = zero;
   const Quad* pole = reinterpret_cast<const Quad*>(net);
@@ -140,14 +52,14 @@ inline __attribute__((always_inline)) void contract(const double* net, int count
 
 template <bool Bends>
 inline void sum_surface(const double* net, const NetPlace& u, const NetPlace& v, double* sums) {
-  BernsteinRow bu, bv;
+  Row bu, bv;
   if (u.degree == 3 && v.degree == 3) {
     fill_cubic<Bends>(u.place, u.scale, bu);
     fill_cubic<Bends>(v.place, v.scale, bv);
     return contract<Bends>(net, 4, 4, bu, bv, sums);
   }
-  fill_row<Bends>(u, bu);
-  fill_row<Bends>(v, bv);
+  fill_row<Bends>(u.degree, u.place, u.scale, bu);
+  fill_row<Bends>(v.degree, v.place, v.scale, bv);
   const int count_u = u.degree + 1;
   switch (v.degree) {
     case 1:
@@ -182,8 +94,8 @@ void LAMELLA_NAME(surface_bends, LAMELLA_LEVEL)(const double* net, const NetPlac
 }
 
 void LAMELLA_NAME(curve, LAMELLA_LEVEL)(const double* net, const NetPlace& t, double* sums) {
-  BernsteinRow row;
-  fill_row<true>(t, row);
+  Row row;
+  fill_row<true>(t.degree, t.place, t.scale, row);
   const Quad* pole = reinterpret_cast<const Quad*>(net);
   Quad c = row.value[0] * pole[0];
   Quad ct = row.slope[0] * pole[0];

@@ -1,7 +1,10 @@
 #include "slicing/span/propagate.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+
+#include "slicing/span/section_lanes.h"
 
 namespace lamella::span {
 
@@ -9,200 +12,425 @@ namespace {
 
 constexpr double kLargestTurn = 0.6;  // radians between neighbouring points
 
-/// A longer correction than this share of the way that a point was moved means that the extrapolation is off.
-constexpr double kCorrectionShare = 0.3;
+/// From this on a turn between neighbours is followed anew, not divided.
+constexpr double kSharpTurn = 1.2;  // radians
 
-/// The step along the free way of a point that changes z by dz.
-Vec2 step_for(const SurfacePoint& at, int axis, double dz) {
-  if (axis < 0) return steepest_step(at, dz);
-  Vec2 step = Vec2::Zero();
-  step[1 - axis] = dz / (axis == 0 ? at.dv.z() : at.du.z());
-  return step;
+/// Accepted error of a piece, in tolerances.
+constexpr double kAccepted = 2.0;
+
+/// A longer correction than 0.3 of the way that a point was moved means that the extrapolation is off.
+constexpr MoveLimits kMoveLimits{0.3, 1e3, 4};
+
+/// Between two points a new one is looked for within 0.3 of their distance.
+constexpr MoveLimits kSplitLimits{0.0, 0.3, 4};
+
+/// How often the pieces that don't hold are divided, and into how many parts at most each time.
+constexpr int kMostPasses = 8;
+constexpr double kMostParts = 8.0;
+
+/// Whether a point reaches the next heights by a line u or v = const, without much more of a way than by the steepest.
+bool moves_well(const SectionPoint& at, int line) {
+  constexpr double kLongest = 3.0;
+  return line >= 0 && length_of(at, rise_of(at, line)) <= kLongest * length_of(at, rise_of(at, -1));
 }
 
 class Carrier {
  public:
-  Carrier(const SectionSurface& surface, double sign, double z, const TraceLimits& limits, CarriedArc& carried)
-      : surface_(surface), sign_(sign), z_(z), limits_(limits), carried_(carried) {}
+  Carrier(const SectionSurface& surface, double sign, double z, const TraceLimits& limits, bool same_band,
+          CarryWork& work, CarriedArc& carried)
+      : surface_(surface),
+        sign_(sign),
+        z_(z),
+        limits_(limits),
+        same_band_(same_band),
+        carried_(carried),
+        places_(work.places),
+        work_(work) {
+    places_.clear();
+    work_.uv.clear();
+    reserve(carried.arc.points.size());
+  }
 
   bool run(const SectionPoint& begin, const SectionPoint& end) {
     const std::size_t last = carried_.arc.pieces.size();
-    for (std::size_t i = 0; i <= last; ++i) {
-      const Cell& cell = carried_.arc.cells[std::min(i, last - 1)];
-      Place place{carried_.arc.points[i], cell, carried_.arc.axes[i], false, carried_.velocity[i], Vec2::Zero()};
-      if (i == 0 || i == last) {
-        place.fixed = true;
-        if (!place_end(i == 0 ? begin : end, place)) return false;
-      } else {
-        // One between cells can't be spared.
-        place.fixed = !(carried_.arc.cells[i - 1] == cell);
-        if (!move_point(i, place)) {
-          if (place.fixed) return false;
-          continue;
-        }
-      }
-      places_.push_back(place);
+    const std::size_t most = 4 * last + 64;
+    if (!add_end(0, begin)) return false;
+    for (std::size_t first = 1; first < last; first += kLanes) {
+      if (!add_moved(first, std::min(first + kLanes, last))) return false;
     }
-    return join_places();
-  }
-
- private:
-  /// A point on its way to the new height.
-  struct Place {
-    SectionPoint point;
-    Cell cell;  ///< of the piece that begins here
-    int axis = -1;
-    bool fixed = false;  ///< an end, or between two cells
-    Vec2 velocity;
-    Vec2 last_velocity;
-  };
-
-  bool place_end(const SectionPoint& given, Place& place) const {
-    const Vec2& periods = surface_.periods();
-    Vec2 uv = given.uv;
-    for (int axis = 0; axis < 2; ++axis) {
-      if (periods[axis] > 0.0)
-        uv[axis] += periods[axis] * std::round((place.point.uv[axis] - uv[axis]) / periods[axis]);
+    if (!add_end(last, end)) return false;
+    for (int pass = 0; !fit_places(); ++pass) {
+      if (pass == kMostPasses || !mend() || places_.size() > most) return false;
     }
-    // Beyond its cell the piece would go on analytically, the surface doesn't.
-    if (!surface_.holds(place.cell, uv, -1)) return false;
-    place.point = surface_.has_cells() ? section_point(surface_.evaluate(uv, place.cell), uv, sign_) : given;
-    place.point.uv = uv;
-    place.point.z = z_;
-    return place.point.uv_bend.allFinite();
-  }
-
-  bool move_point(std::size_t i, Place& place) const {
-    const double dz = z_ - carried_.z;
-    Vec2 step = carried_.velocity[i] * dz;
-    // Two layers may be nearly one, and say nothing then.
-    if (!carried_.last_velocity.empty() && std::abs(dz) < 16.0 * std::abs(carried_.z - carried_.last_z)) {
-      step += (carried_.velocity[i] - carried_.last_velocity[i]) * (0.5 * dz * dz / (carried_.z - carried_.last_z));
-    }
-    const std::vector<SectionPoint>& points = carried_.arc.points;
-    const double scale = std::max((points[i + 1].xy - points[i].xy).norm(), (points[i - 1].xy - points[i].xy).norm());
-    Vec2 uv = points[i].uv + step;
-    SurfacePoint2 at = surface_.evaluate(uv, place.cell);
-    const double moved = (at.du * step[0] + at.dv * step[1]).norm();
-    Vec2 correction = step_for(at, place.axis, z_ - at.point.z());
-    double off = (at.du * correction[0] + at.dv * correction[1]).norm();
-    if (!(off <= kCorrectionShare * moved)) return false;
-    for (int attempt = 0; off > kExactShift * scale; ++attempt) {
-      if (attempt == 3) return false;
-      uv += correction;
-      at = surface_.evaluate(uv, place.cell);
-      correction = step_for(at, place.axis, z_ - at.point.z());
-      off = (at.du * correction[0] + at.dv * correction[1]).norm();
-    }
-    uv += correction;
-    if (!surface_.holds(place.cell, uv, place.axis)) return false;
-    shift(at, correction);
-    place.point = section_point(at, uv, sign_);
-    place.point.z = z_;
-    place.last_velocity = carried_.velocity[i];
-    place.velocity = step_for(at, place.axis, 1.0);
-    return place.point.uv_bend.allFinite();
-  }
-
-  /// Joins the places to pieces; where two don't join, a place is put between them or the second one left out.
-  bool join_places() {
-    TracedArc& arc = carried_.arc;
-    const std::size_t target = arc.target;
-    arc.clear();
-    carried_.velocity.clear();
-    carried_.last_velocity.clear();
-    keep(places_.front());
-    for (std::size_t i = 0; i + 1 < places_.size();) {
-      std::size_t next = i + 1;
-      while (!join(places_[i], places_[next], kMaxHalvings)) {
-        if (places_[next].fixed) return false;
-        ++next;
-      }
-      i = next;
-    }
-    arc.target = target;
-    arc.landed = true;
-    carried_.last_z = carried_.z;
-    carried_.z = z_;
+    take_places();
     return true;
   }
 
-  void keep(const Place& place) {
-    carried_.arc.points.push_back(place.point);
-    carried_.arc.axes.push_back(static_cast<std::int8_t>(place.axis));
-    carried_.velocity.push_back(place.velocity);
-    carried_.last_velocity.push_back(place.last_velocity);
+ private:
+  using Place = CarriedPlace;
+
+  /// Makes room for as many points, motions and pieces.
+  void reserve(std::size_t count) {
+    work_.points.resize(count);
+    work_.motions.resize(count);
+    work_.pieces.resize(count);
   }
 
-  bool join(const Place& a, const Place& b, int halvings) {
-    SectionPoint end = b.point;
-    // The end of this piece as its own cell sees it.
-    if (!(a.cell == b.cell)) {
-      end = section_point(surface_.evaluate(end.uv, a.cell), end.uv, sign_);
-      end.z = z_;
+  /// The same beyond those that there are. Returns the number of the first one.
+  std::uint32_t add_numbers(std::size_t count) {
+    const std::size_t first = work_.points.size();
+    reserve(first + count);
+    return static_cast<std::uint32_t>(first);
+  }
+
+  [[nodiscard]] const SectionPoint& point_of(const Place& place) const { return work_.points[place.number]; }
+
+  bool add_end(std::size_t i, const SectionPoint& given) {
+    Place& place = places_.emplace_back();
+    place.number = static_cast<std::uint32_t>(i);
+    place.cell = carried_.arc.cells[std::min(i, carried_.arc.cells.size() - 1)];
+    place.axis = carried_.arc.axes[i];
+    place.line = carried_.lines[i];
+    place.fixed = true;
+    work_.motions[i] = carried_.motions[i];
+    const Vec2& periods = surface_.periods();
+    const Vec2& last = carried_.arc.points[i].uv;
+    Vec2 uv = given.uv;
+    for (int axis = 0; axis < 2; ++axis) {
+      if (periods[axis] > 0.0) uv[axis] += periods[axis] * std::round((last[axis] - uv[axis]) / periods[axis]);
     }
-    ArcPiece piece;
-    if (fits(a, end, piece)) {
-      carried_.arc.pieces.push_back(piece);
-      carried_.arc.cells.push_back(a.cell);
-      keep(b);
-      return true;
+    // Beyond its cell the piece would go on analytically, the surface doesn't.
+    if (!surface_.holds(place.cell, uv, -1)) return false;
+    SectionPoint& point = work_.points[i];
+    point = surface_.has_cells() ? section_point(surface_.evaluate(uv, place.cell), uv, sign_) : given;
+    point.uv = uv;
+    point.z = z_;
+    return point.uv_bend.allFinite();
+  }
+
+  /// Moves the inner points [first, last), no more than there are lanes.
+  bool add_moved(std::size_t first, std::size_t last) {
+    const TracedArc& arc = carried_.arc;
+    std::array<MovingPoint, kLanes> moving;
+    for (std::size_t i = first; i < last; ++i) set_out(i, moving[i - first]);
+    move_points(surface_, sign_, z_, kMoveLimits, {moving.data(), last - first});
+    for (std::size_t i = first; i < last; ++i) {
+      const MovingPoint& moved = moving[i - first];
+      const bool fixed = !(arc.cells[i - 1] == arc.cells[i]);
+      if (moved.found && surface_.holds(arc.cells[i], moved.at.uv, arc.axes[i])) {
+        Place& place = places_.emplace_back();
+        place.number = static_cast<std::uint32_t>(i);
+        place.cell = arc.cells[i];
+        place.axis = arc.axes[i];
+        place.line = carried_.lines[i];
+        place.fixed = fixed;
+        work_.motions[i] = motion_of(i, moved.velocity);
+      } else if (fixed) {
+        return false;
+      }
     }
-    if (halvings == 0) return false;
-    const Vec2 uv = 0.5 * (a.point.uv + end.uv);
-    const double chord = (end.xy - a.point.xy).norm();
-    const auto middle = correct(surface_, a.cell, uv, z_, sign_, -1, {0.3 * chord});
-    if (!middle || !surface_.holds(a.cell, middle->uv, -1)) return false;
-    Place between{*middle, a.cell, -1, false, rise_of(*middle, -1), Vec2::Zero()};
-    between.point.z = z_;
-    between.last_velocity = between.velocity;
-    const std::size_t kept = carried_.arc.pieces.size();
-    if (join(a, between, halvings - 1) && join(between, b, halvings - 1)) return true;
-    drop_to(kept);
-    return false;
+    return true;
   }
 
-  bool fits(const Place& a, const SectionPoint& end, ArcPiece& piece) const {
-    if (!(a.point.tangent.dot(end.tangent) > std::cos(kLargestTurn))) return false;
-    const PieceFit fit = fit_piece(surface_, a.cell, a.point, end);
-    piece = fit.piece;
-    return fit.error <= 2.0 * limits_.tolerance;
+  /// The motion of a point with a new velocity.
+  [[nodiscard]] Motion motion_of(std::size_t i, const Vec2& velocity) const {
+    const Motion& last = carried_.motions[i];
+    const double dz = z_ - carried_.z;
+    Motion motion{velocity, (velocity - last.velocity) / dz, Vec2::Zero(), 1};
+    if (last.known == 0) return motion;
+    motion.bend = (motion.change - last.change) / (dz + carried_.last_step);
+    motion.known = 2;
+    return motion;
   }
 
-  void drop_to(std::size_t pieces) {
-    carried_.arc.pieces.resize(pieces);
-    carried_.arc.cells.resize(pieces);
-    carried_.arc.points.resize(pieces + 1);
-    carried_.arc.axes.resize(pieces + 1);
-    carried_.velocity.resize(pieces + 1);
-    carried_.last_velocity.resize(pieces + 1);
+  void set_out(std::size_t i, MovingPoint& moving) const {
+    const std::vector<SectionPoint>& points = carried_.arc.points;
+    const Motion& motion = carried_.motions[i];
+    const double dz = z_ - carried_.z;
+    moving.step = motion.velocity * dz;
+    // Two layers may be nearly one, and say nothing then. The integral of Newton's interpolation of the velocity.
+    if (motion.known > 0 && dz < 16.0 * carried_.last_step) {
+      moving.step += motion.change * (0.5 * dz * dz);
+      if (motion.known > 1 && dz < 16.0 * carried_.step_before) {
+        moving.step += motion.bend * (dz * dz * (dz / 3.0 + 0.5 * carried_.last_step));
+      }
+    }
+    moving.at = {points[i].uv + moving.step, carried_.arc.cells[i]};
+    const int line = carried_.lines[i];
+    if (line >= 0) moving.way[1 - line] = 1.0;
+    const double after = (points[i + 1].xy - points[i].xy).squaredNorm();
+    const double before = (points[i - 1].xy - points[i].xy).squaredNorm();
+    moving.scale = std::sqrt(std::max(after, before));
+    moving.point = &work_.points[i];
   }
 
-  /// Corrections shorter than this share of a piece are taken from the second derivatives: what is left out is of third
-  /// order, 1e-12 of the piece.
-  static constexpr double kExactShift = 1e-4;
-  static constexpr int kMaxHalvings = 3;
+  /// Fits what isn't fitted yet. Returns whether all pieces hold.
+  bool fit_places() {
+    bool all = true;
+    const std::size_t pieces = places_.size() - 1;
+    for (std::size_t i = 0; i < pieces;) {
+      if (places_[i].fits) {
+        ++i;
+        continue;
+      }
+      const std::size_t next = fit_from(i);
+      for (; i < next; ++i) all = all && places_[i].fits;
+    }
+    return all;
+  }
+
+  /// Fits as many pieces as there are lanes, up to one that leads into another cell or fits already. Returns the first
+  /// one behind.
+  std::size_t fit_from(std::size_t first) {
+    PointRun run(surface_, sign_, point_of(places_[first]));
+    for (std::size_t i = first; i + 1 < places_.size() && !places_[i].fits; ++i) {
+      if (!run.add(places_[i].cell, point_of(places_[i + 1]), places_[i + 1].cell)) break;
+    }
+    const std::size_t count = run.pieces();
+    PieceFits fits;
+    fit_run(run, {kLargestTurn, kAccepted * limits_.tolerance}, fits);
+    for (std::size_t i = 0; i < count; ++i) {
+      Place& place = places_[first + i];
+      place.error = fits.errors[i];
+      place.fits = place.error <= kAccepted * limits_.tolerance;
+      if (place.fits) {
+        work_.pieces[place.number] = fits.pieces[i];
+      } else {
+        place.uv = static_cast<std::uint32_t>(work_.uv.size());
+        work_.uv.push_back(fits.uv[i]);
+      }
+    }
+    return first + count;
+  }
+
+  /// Puts points into pieces that are too long, and leaves out those that were overtaken. False if neither helps.
+  bool mend() {
+    work_.moving.clear();
+    work_.traced.clear();
+    for (std::size_t i = 0; i + 1 < places_.size(); ++i) {
+      if (!places_[i].fits && !places_[i].dropped && !mend(i)) return false;
+    }
+    move_between();
+    return insert_mended();
+  }
+
+  /// The same for the piece that begins in a place.
+  bool mend(std::size_t i) {
+    const SectionPoint& a = point_of(places_[i]);
+    std::size_t next = i + 1;
+    if (turn_between(a, point_of(places_[next])) > kSharpTurn) return trace_on(i);
+    while (!runs_forward(a, point_of(places_[next])) && !places_[next].fixed) places_[next++].dropped = true;
+    if (!runs_forward(a, point_of(places_[next]))) return drop(i);
+    if (next == i + 1) split(i);
+    return true;
+  }
+
+  [[nodiscard]] static double turn_between(const SectionPoint& a, const SectionPoint& b) {
+    return std::acos(std::clamp(a.tangent.dot(b.tangent), -1.0, 1.0));
+  }
+
+  [[nodiscard]] static bool runs_forward(const SectionPoint& a, const SectionPoint& b) {
+    return a.tangent.dot(b.xy - a.xy) > 0.0 && b.tangent.dot(b.xy - a.xy) > 0.0;
+  }
+
+  /// Follows the section from a place to the next one that it meets: round a bend so sharp that it has moved by its own
+  /// size, no carried point is left there. The arc's end is always among the places that may be met, so that what is
+  /// followed never runs beyond it, or round a loop once more. Over an event it may not be done: where arcs have
+  /// merged, each would become the whole.
+  bool trace_on(std::size_t i) {
+    constexpr std::size_t kMostTargets = 12;
+    if (i == 0 || !same_band_) return false;
+    std::vector<std::size_t> numbers;
+    std::vector<SectionPoint> targets;
+    for (std::size_t k = i + 1; k + 1 < places_.size() && targets.size() < kMostTargets; ++k) {
+      numbers.push_back(k);
+      targets.push_back(point_of(places_[k]));
+    }
+    numbers.push_back(places_.size() - 1);
+    targets.push_back(point_of(places_.back()));
+    TraceLimits limits = limits_;
+    limits.last = kAccepted;
+    limits.longest = std::min(limits.longest, 4.0 * (targets.front().xy - point_of(places_[i]).xy).norm());
+    TracedArc arc;
+    if (!trace(surface_, sign_, point_of(places_[i]), targets, limits, arc)) return false;
+    // Not in another period.
+    const Vec2& landed = targets[arc.target].uv;
+    if (!((arc.points.back().uv - landed).norm() <= 1e-9 * (1.0 + landed.norm()))) return false;
+    for (std::size_t k = i + 1; k < numbers[arc.target]; ++k) places_[k].dropped = true;
+    insert_traced(i, arc);
+    return true;
+  }
+
+  /// Has what was traced put behind a place, whose piece is its first one.
+  void insert_traced(std::size_t i, const TracedArc& arc) {
+    const std::size_t more = arc.pieces.size() - 1;
+    std::uint32_t number = add_numbers(more);
+    places_[i].traced = static_cast<std::uint32_t>(work_.traced.size());
+    places_[i].traced_count = static_cast<std::uint32_t>(more);
+    take_piece(arc, 0, places_[i]);
+    for (std::size_t k = 1; k <= more; ++k, ++number) {
+      Place& place = work_.traced.emplace_back();
+      place.number = number;
+      place.axis = place.line = arc.axes[k];
+      place.fixed = !(arc.cells[k - 1] == arc.cells[k]);
+      work_.points[number] = arc.points[k];
+      work_.motions[number] = Motion{rise_of(arc.points[k], place.axis)};
+      take_piece(arc, k, place);
+    }
+  }
+
+  void take_piece(const TracedArc& arc, std::size_t k, Place& place) {
+    place.cell = arc.cells[k];
+    place.fits = true;
+    work_.pieces[place.number] = arc.pieces[k];
+  }
+
+  /// Has points put between two places: where the piece is known, as many as its error asks for, since that is of order
+  /// six in the step.
+  void split(std::size_t i) {
+    Place& place = places_[i];
+    const SectionPoint& a = point_of(place);
+    const SectionPoint& b = point_of(places_[i + 1]);
+    const bool is_known = std::isfinite(place.error);
+    if (is_known) {
+      place.parts = static_cast<int>(
+          std::clamp(std::ceil(std::pow(place.error / limits_.tolerance, 1.0 / 6.0)), 2.0, kMostParts));
+    } else {
+      place.parts = 2;
+    }
+    MovingPoint moving;
+    moving.scale = (b.xy - a.xy).norm();
+    for (int part = 1; part < place.parts; ++part) {
+      const double t = static_cast<double>(part) / place.parts;
+      moving.at = {is_known ? work_.uv[place.uv].at(t) : Vec2((1.0 - t) * a.uv + t * b.uv), place.cell};
+      work_.moving.push_back(moving);
+    }
+  }
+
+  bool drop(std::size_t i) {
+    if (places_[i].fixed) return false;
+    places_[i].dropped = true;
+    places_[i - 1].fits = false;
+    return true;
+  }
+
+  /// Brings the points that are to be put between others onto the section. They have the last numbers.
+  void move_between() {
+    std::vector<MovingPoint>& moving = work_.moving;
+    const std::uint32_t number = add_numbers(moving.size());
+    for (std::size_t k = 0; k < moving.size(); ++k) moving[k].point = &work_.points[number + k];
+    for (std::size_t first = 0; first < moving.size(); first += kLanes) {
+      const std::size_t count = std::min<std::size_t>(kLanes, moving.size() - first);
+      move_points(surface_, sign_, z_, kSplitLimits, {moving.data() + first, count});
+    }
+  }
+
+  bool insert_mended() {
+    std::vector<Place>& mended = work_.mended;
+    mended.clear();
+    std::size_t next = 0;
+    auto number = static_cast<std::uint32_t>(work_.points.size() - work_.moving.size());
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      const Place& place = places_[i];
+      if (!place.dropped) mended.push_back(place);
+      mended.back().parts = 1;
+      mended.back().traced_count = 0;
+      const auto traced = work_.traced.begin() + static_cast<std::ptrdiff_t>(place.traced);
+      mended.insert(mended.end(), traced, traced + static_cast<std::ptrdiff_t>(place.traced_count));
+      for (int part = 1; part < place.parts; ++part, ++next, ++number) {
+        const MovingPoint& moved = work_.moving[next];
+        if (!moved.found || !surface_.holds(place.cell, moved.at.uv, -1)) return false;
+        work_.motions[number] = Motion{moved.velocity};
+        add_between(number, place, places_[i + 1]);
+      }
+    }
+    std::swap(places_, mended);
+    return true;
+  }
+
+  /// A point put between two others keeps to a line if they do.
+  void add_between(std::uint32_t number, const Place& before, const Place& after) {
+    Place& place = work_.mended.emplace_back();
+    place.number = number;
+    place.cell = before.cell;
+    const SectionPoint& point = work_.points[number];
+    if (before.line != after.line || !moves_well(point, before.line)) return;
+    place.line = before.line;
+    work_.motions[number].velocity = rise_of(point, place.line);
+  }
+
+  /// The places become the arc.
+  void take_places() {
+    TracedArc& arc = carried_.arc;
+    const std::size_t points = places_.size();
+    arc.points.resize(points);
+    arc.axes.resize(points);
+    arc.cells.resize(points - 1);
+    arc.pieces.resize(points - 1);
+    carried_.motions.resize(points);
+    carried_.lines.resize(points);
+    for (std::size_t i = 0; i < points; ++i) {
+      const Place& place = places_[i];
+      arc.points[i] = point_of(place);
+      arc.axes[i] = place.axis;
+      carried_.motions[i] = work_.motions[place.number];
+      carried_.lines[i] = place.line;
+      if (i + 1 == points) break;
+      arc.cells[i] = place.cell;
+      arc.pieces[i] = work_.pieces[place.number];
+    }
+    arc.landed = true;
+    carried_.step_before = carried_.last_step;
+    carried_.last_step = z_ - carried_.z;
+    carried_.z = z_;
+  }
 
   const SectionSurface& surface_;
   double sign_;
   double z_;
   const TraceLimits& limits_;
+  bool same_band_;
   CarriedArc& carried_;
-  std::vector<Place> places_;
+  std::vector<Place>& places_;
+  CarryWork& work_;
 };
 
 }  // namespace
 
 void CarriedArc::start(double height) {
   z = height;
-  last_velocity.clear();
-  velocity.clear();
-  for (std::size_t i = 0; i < arc.points.size(); ++i) velocity.push_back(rise_of(arc.points[i], arc.axes[i]));
+  last_step = step_before = 0.0;
+  lines = arc.axes;
+  const std::size_t last = arc.points.size() - 1;
+  for (std::size_t before = 0; before < last;) {
+    std::size_t after = before + 1;
+    while (after < last && arc.axes[after] < 0) ++after;
+    if (arc.axes[before] == arc.axes[after]) {
+      for (std::size_t i = before + 1; i < after; ++i) {
+        if (moves_well(arc.points[i], arc.axes[before])) lines[i] = arc.axes[before];
+      }
+    }
+    before = after;
+  }
+  motions.clear();
+  for (std::size_t i = 0; i <= last; ++i) motions.push_back(Motion{rise_of(arc.points[i], lines[i])});
+}
+
+double CarriedArc::speed() const {
+  double square = 0.0;
+  for (std::size_t i = 1; i + 1 < arc.points.size(); ++i) {
+    const Vec2& at = arc.points[i].xy;
+    const double shorter =
+        std::min((arc.points[i - 1].xy - at).squaredNorm(), (arc.points[i + 1].xy - at).squaredNorm());
+    const double moved = length_of(arc.points[i], motions[i].velocity);
+    square = std::max(square, moved * moved / shorter);
+  }
+  return std::sqrt(square);
 }
 
 bool carry(const SectionSurface& surface, double sign, const SectionPoint& begin, const SectionPoint& end, double z,
-           const TraceLimits& limits, CarriedArc& carried) {
-  return Carrier(surface, sign, z, limits, carried).run(begin, end);
+           const TraceLimits& limits, bool same_band, CarryWork& work, CarriedArc& carried) {
+  return Carrier(surface, sign, z, limits, same_band, work, carried).run(begin, end);
 }
 
 }  // namespace lamella::span

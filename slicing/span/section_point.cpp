@@ -77,15 +77,18 @@ void shift(SurfacePoint2& at, const Vec2& step) {
 }
 
 std::optional<SectionPoint> correct(const SectionSurface& surface, const Cell& cell, Vec2 uv, double z, double sign,
-                                    int fixed_axis, const CorrectLimits& limits) {
+                                    int fixed_axis, const CorrectLimits& limits, const SurfacePoint2* known) {
   constexpr int kMaxSteps = 12;
   // Steps this short are taken from the second derivatives: what they leave out is of third order.
   const double exact = 1e-4 * limits.reach;
   double travelled = 0.0;
   for (int i = 0; i < kMaxSteps; ++i) {
-    // The first step is hardly ever the last.
+    // From elsewhere the first step is hardly ever the last.
+    const bool is_far = i == 0 && known == nullptr;
     SurfacePoint2 at;
-    if (i == 0) {
+    if (i == 0 && known != nullptr) {
+      at = *known;
+    } else if (is_far) {
       static_cast<SurfacePoint&>(at) = surface.evaluate_slopes(uv, cell);
     } else {
       at = surface.evaluate(uv, cell);
@@ -95,7 +98,7 @@ std::optional<SectionPoint> correct(const SectionSurface& surface, const Cell& c
     travelled += length;
     if (!(travelled <= limits.reach)) return std::nullopt;  // NaN too
     uv += step;
-    if (i == 0 || length > exact) continue;
+    if (is_far || length > exact) continue;
     shift(at, step);
     SectionPoint point = section_point(at, uv, sign);
     if (!point.uv_bend.allFinite() || !std::isfinite(point.curvature)) return std::nullopt;

@@ -51,8 +51,10 @@ struct CorrectLimits {
 };
 
 /// The point of the section at height z near `uv`, by Newton's iteration along the steepest way, or along the line
-/// u = const (fixed_axis 0) or v = const (1). Nothing if it strays beyond the reach or doesn't converge.
+/// u = const (fixed_axis 0) or v = const (1). Nothing if it strays beyond the reach or doesn't converge. `known` is the
+/// surface at the start, if it has been evaluated: what lies there already needs no more.
 [[nodiscard]] std::optional<SectionPoint> correct(const SectionSurface& surface, const Cell& cell, Vec2 uv, double z,
-                                                  double sign, int fixed_axis, const CorrectLimits& limits);
+                                                  double sign, int fixed_axis, const CorrectLimits& limits,
+                                                  const SurfacePoint2* known = nullptr);
 
 }  // namespace lamella::span

@@ -62,6 +62,7 @@ bool SectionSurface::crosses_knot(const Vec2& a, const Vec2& b, const Cell& cell
   for (int axis = 0; axis < 2; ++axis) {
     if (pieces_[axis].empty()) continue;
     const int index = axis == 0 ? cell.u : cell.v;
+    if (first_piece_[axis][index + 1] - first_piece_[axis][index] == 1) continue;
     // Points on a knot touch it, no more.
     const auto [low, high] = std::minmax(a[axis], b[axis]);
     const double slack = 1e-6 * (high - low);
@@ -104,6 +105,34 @@ SurfacePoint2 SectionSurface::evaluate(const Vec2& uv, const Cell& cell) const {
 SurfacePoint SectionSurface::evaluate_slopes(const Vec2& uv, const Cell& cell) const {
   if (kind_ != Kind::spline) return evaluate(uv, cell);
   return nets_.evaluate_slopes(uv, piece_of(0, uv[0], cell.u), piece_of(1, uv[1], cell.v));
+}
+
+namespace {
+
+void set_lane(const SurfacePoint2& at, int lane, JetLanes& out) {
+  const std::array<const Vec3*, 6> orders{&at.point, &at.du, &at.dv, &at.duu, &at.duv, &at.dvv};
+  for (int order = 0; order < 6; ++order) {
+    for (int axis = 0; axis < 3; ++axis) out.value[3 * order + axis][lane] = (*orders[order])[axis];
+  }
+}
+
+}  // namespace
+
+void SectionSurface::evaluate_lanes(std::span<const CellPlace> places, bool bends, JetLanes& out) const {
+  const auto count = static_cast<int>(places.size());
+  if (kind_ != Kind::spline) {
+    for (int lane = 0; lane < count; ++lane) {
+      const auto& [uv, cell] = places[static_cast<std::size_t>(lane)];
+      set_lane(evaluate(uv, cell), lane, out);
+    }
+    return;
+  }
+  NetLanes nets;
+  for (int lane = 0; lane < count; ++lane) {
+    const auto& [uv, cell] = places[static_cast<std::size_t>(lane)];
+    nets_.set_lane(uv, piece_of(0, uv[0], cell.u), piece_of(1, uv[1], cell.v), lane, nets);
+  }
+  lane_kernel().jets(nets_.shape(), nets, count, bends, out);
 }
 
 Cell SectionSurface::find_cell(const Vec2& uv, const Vec2& heading) const {

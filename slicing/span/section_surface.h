@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include "core/geometry.h"
@@ -23,6 +24,12 @@ struct Cell {
   bool operator==(const Cell&) const = default;
 };
 
+/// A place on a surface, as one of its cells sees it.
+struct CellPlace {
+  Vec2 uv = Vec2::Zero();
+  Cell cell;
+};
+
 /// A face's surface as the tracer needs it: first and second derivatives, cell by cell. A cell's own limits are not
 /// limits of its evaluation: beyond them the piece goes on analytically.
 class SectionSurface {
@@ -33,6 +40,9 @@ class SectionSurface {
   [[nodiscard]] SurfacePoint2 evaluate(const Vec2& uv, const Cell& cell) const;
   /// Without second derivatives, for less.
   [[nodiscard]] SurfacePoint evaluate_slopes(const Vec2& uv, const Cell& cell) const;
+
+  /// The same at some places, at most kLanes, each in its own cell: in the first lanes of `out`.
+  void evaluate_lanes(std::span<const CellPlace> places, bool bends, JetLanes& out) const;
 
   /// The cell that holds `uv`; on a break, or nearer to one than rounding, the one that a step along `heading` enters.
   [[nodiscard]] Cell find_cell(const Vec2& uv, const Vec2& heading) const;

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "slicing/span/depth_kernel.h"
+#include "slicing/span/section_lanes.h"
 
 namespace lamella::span {
 
@@ -12,6 +14,7 @@ namespace {
 
 constexpr int kNodes = Sheet::kNodes;
 constexpr std::size_t kNumbers = 12;  // of a piece: six coefficients of x, six of y
+static_assert(sizeof(ArcPiece) == kNumbers * sizeof(double));
 
 /// Places of the nodes in [-1, 1]: -cos(j pi / 4).
 constexpr std::array<double, kNodes> kPlaces{-1.0, -0.70710678118654752, 0.0, 0.70710678118654752, 1.0};
@@ -27,24 +30,36 @@ constexpr double kAccepted = 4.0;
 /// Errors beyond this multiple of what is accepted end the measuring.
 constexpr double kHopeless = 100.0;
 
-/// Corrections up to this share of a piece are taken from the second derivatives, to third order.
-constexpr double kExactShift = 1e-4;
+/// Corrections longer than a piece are not trusted.
+constexpr MoveLimits kMoveLimits{0.0, 1.0, 6};
 
 using NodeValues = std::array<double, kNodes>;
 
-/// Monomial coefficients of the polynomial of degree 4 through values at kPlaces: with q = 1/2,
-/// p = a0 + a1 z + a2 z^2 + a3 z^3 + a4 z^4 splits into its even and odd parts.
-NodeValues monomials(const NodeValues& f) {
-  const double even_1 = 0.5 * (f[4] + f[0]) - f[2];                // a2 + a4
-  const double even_q = 0.5 * (f[3] + f[1]) - f[2];                // a2 q + a4 q^2
-  const double odd_1 = 0.5 * (f[4] - f[0]);                        // a1 + a3
-  const double odd_q = 0.5 * (f[3] - f[1]) / 0.70710678118654752;  // a1 + a3 q
-  const double a4 = 2.0 * even_1 - 4.0 * even_q;
-  const double a3 = 2.0 * (odd_1 - odd_q);
-  return {f[2], odd_1 - a3, even_1 - a4, a3, a4};
+/// Turns values at kPlaces, [node][piece], into the monomial coefficients of the polynomials of degree 4 through them,
+/// [power][piece]: with q = 1/2, p = a0 + a1 z + a2 z^2 + a3 z^3 + a4 z^4 splits into its even and odd parts.
+void to_monomials(std::vector<ArcPiece>& numbers) {
+  const std::size_t stride = numbers.size() / kNodes * kNumbers;
+  double* f = numbers.front().x.data();
+  for (std::size_t i = 0; i < stride; ++i) {
+    const double f0 = f[i], f1 = f[i + stride], f2 = f[i + 2 * stride], f3 = f[i + 3 * stride], f4 = f[i + 4 * stride];
+    const double even_1 = 0.5 * (f4 + f0) - f2;                  // a2 + a4
+    const double even_q = 0.5 * (f3 + f1) - f2;                  // a2 q + a4 q^2
+    const double odd_1 = 0.5 * (f4 - f0);                        // a1 + a3
+    const double odd_q = 0.5 * (f3 - f1) / 0.70710678118654752;  // a1 + a3 q
+    const double a4 = 2.0 * even_1 - 4.0 * even_q;
+    const double a3 = 2.0 * (odd_1 - odd_q);
+    f[i] = f2;
+    f[i + stride] = odd_1 - a3;
+    f[i + 2 * stride] = even_1 - a4;
+    f[i + 3 * stride] = a3;
+    f[i + 4 * stride] = a4;
+  }
 }
 
-double value_at(const NodeValues& a, double z) { return a[0] + z * (a[1] + z * (a[2] + z * (a[3] + z * a[4]))); }
+/// The pieces at a place in [-1, 1].
+void blend(const std::vector<ArcPiece>& numbers, double place, std::vector<ArcPiece>& pieces) {
+  depth_kernel().blend(numbers.front().x.data(), pieces.size() * kNumbers, place, pieces.front().x.data());
+}
 
 /// Extrapolates the values known at the first `count` places to the next one (Newton's divided differences).
 double extrapolate(const double* values, int count) {
@@ -71,8 +86,8 @@ class Builder {
     const TracedArc& start = carried_.arc;
     points_ = start.points;
     const std::size_t pieces = start.pieces.size();
-    numbers_.resize(pieces * kNumbers);
-    uv_numbers_.resize(pieces * kNumbers);
+    numbers_.resize(kNodes * pieces);
+    uv_numbers_.resize(kNodes * pieces);
     ways_.resize(points_.size());
     for (std::size_t i = 1; i < pieces; ++i) ways_[i].direction = rise_of(points_[i], start.axes[i]);
     find_anchors();
@@ -118,11 +133,17 @@ class Builder {
     }
   }
 
+  /// Anchors first, since the others are taken along by them.
   bool move_points(int node, double z) {
     const std::vector<std::int8_t>& axes = carried_.arc.axes;
     for (const bool anchors : {true, false}) {
+      moving_.clear();
       for (std::size_t i = 1; i < carried_.arc.pieces.size(); ++i) {
-        if ((axes[i] >= 0) == anchors && !move_point(i, node, z)) return false;
+        if ((axes[i] >= 0) == anchors) moving_.push_back(i);
+      }
+      for (std::size_t first = 0; first < moving_.size(); first += kLanes) {
+        const std::size_t count = std::min<std::size_t>(kLanes, moving_.size() - first);
+        if (!move_some({moving_.data() + first, count}, node, z)) return false;
       }
     }
     return true;
@@ -152,138 +173,99 @@ class Builder {
     return points_[i].uv_bend.allFinite();
   }
 
-  bool move_point(std::size_t i, int node, double z) {
-    Way& way = ways_[i];
-    const Vec2 from = carried_.arc.points[i].uv + taken(way);
-    const Cell& cell = carried_.arc.cells[i];
-    const double scale = (points_[i].xy - points_[i - 1].xy).norm();
-    // The first guess of a point that is taken along: what it lacks in height.
-    double travel = node == 1 ? (way.after == way.before ? z - low_ : 0.0) : extrapolate(way.travel.data(), node);
-    SurfacePoint2 at;
-    double step = 0.0;
-    for (int attempt = 0;; ++attempt) {
-      const Vec2 uv = from + travel * way.direction;
-      at = surface_.evaluate(uv, cell);
-      const Vec3 along = at.du * way.direction[0] + at.dv * way.direction[1];
-      step = (z - at.point.z()) / along.z();
-      const double off = std::abs(step) * along.norm();
-      if (!(off <= scale) || attempt == 5) return false;
-      travel += step;
-      if (off <= kExactShift * scale) break;
+  bool move_some(std::span<const std::size_t> numbers, int node, double z) {
+    const TracedArc& arc = carried_.arc;
+    std::array<MovingPoint, kLanes> moving;
+    std::array<Vec2, kLanes> guesses;
+    for (std::size_t k = 0; k < numbers.size(); ++k) {
+      const std::size_t i = numbers[k];
+      Way& way = ways_[i];
+      way.travel[node] = first_travel(way, node, z);
+      guesses[k] = arc.points[i].uv + taken(way) + way.travel[node] * way.direction;
+      moving[k].at = {guesses[k], arc.cells[i]};
+      moving[k].way = way.direction;
+      moving[k].scale = (points_[i].xy - points_[i - 1].xy).norm();
+      moving[k].point = &points_[i];
     }
-    const Vec2 uv = from + travel * way.direction;
-    if (!surface_.holds(cell, uv, carried_.arc.axes[i])) return false;
-    way.travel[node] = travel;
-    shift(at, step * way.direction);
-    points_[i] = section_point(at, uv, sign_);
-    points_[i].z = z;
-    return points_[i].uv_bend.allFinite();
+    span::move_points(surface_, sign_, z, kMoveLimits, {moving.data(), numbers.size()});
+    for (std::size_t k = 0; k < numbers.size(); ++k) {
+      const std::size_t i = numbers[k];
+      const MovingPoint& moved = moving[k];
+      if (!moved.found || !surface_.holds(arc.cells[i], moved.at.uv, arc.axes[i])) return false;
+      Way& way = ways_[i];
+      way.travel[node] += way.direction.dot(moved.at.uv - guesses[k]) / way.direction.squaredNorm();
+    }
+    return true;
+  }
+
+  /// The first guess of a point that is taken along: what it lacks in height.
+  [[nodiscard]] double first_travel(const Way& way, int node, double z) const {
+    if (node > 1) return extrapolate(way.travel.data(), node);
+    return way.after == way.before ? z - low_ : 0.0;
   }
 
   /// The pieces between the points as they are now become the values at a node.
   bool take_pieces(int node) {
     const std::vector<Cell>& cells = carried_.arc.cells;
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-      const SectionPoint& a = points_[i];
-      SectionPoint b = points_[i + 1];
-      if (i + 1 < cells.size() && !(cells[i] == cells[i + 1])) {
-        b = section_point(surface_.evaluate(b.uv, cells[i]), b.uv, sign_);
+    const std::size_t pieces = cells.size();
+    for (std::size_t first = 0; first < pieces;) {
+      PointRun run(surface_, sign_, points_[first]);
+      for (std::size_t i = first; i < pieces; ++i) {
+        if (!run.add(cells[i], points_[i + 1], cells[std::min(i + 1, pieces - 1)])) break;
       }
-      if (!(a.tangent.dot(b.tangent) > std::cos(kLargestTurn))) return false;
-      ArcPiece piece;
-      ArcPiece uv;
-      if (!join_points(a, b, piece, uv)) return false;
-      for (int k = 0; k < 6; ++k) {
-        numbers_[i * kNumbers + k][node] = piece.x[k];
-        numbers_[i * kNumbers + 6 + k][node] = piece.y[k];
-        uv_numbers_[i * kNumbers + k][node] = uv.x[k];
-        uv_numbers_[i * kNumbers + 6 + k][node] = uv.y[k];
+      PieceFits fits;
+      join_run(run, kLargestTurn, fits);
+      for (std::size_t k = 0; k < run.pieces(); ++k, ++first) {
+        if (fits.errors[k] != 0.0) return false;
+        numbers_[node * pieces + first] = fits.pieces[k];
+        uv_numbers_[node * pieces + first] = fits.uv[k];
       }
     }
     return true;
   }
 
-  /// The largest error, or the first that is much too large, mm; infinite where a piece leaves its cell.
+  /// The largest error, or one that is much too large, mm; infinite where a piece leaves its cell.
   double measure() {
-    for (NodeValues& values : numbers_) values = monomials(values);
-    for (NodeValues& values : uv_numbers_) values = monomials(values);
+    to_monomials(numbers_);
+    to_monomials(uv_numbers_);
     const double hopeless = kHopeless * kAccepted * limits_.tolerance;
     double largest = 0.0;
-    for (std::size_t i = 0; i < carried_.arc.cells.size(); ++i) {
-      if (!stays_in_cell(i)) return std::numeric_limits<double>::infinity();
-      largest = std::max(largest, error_of(i));
+    for (const double place : kProbes) {
+      const double error = error_at(place);
+      if (!(error <= largest)) largest = error;  // keeps NaN
       if (!(largest <= hopeless)) break;
     }
     return largest;
   }
 
-  [[nodiscard]] double error_of(std::size_t piece) const {
-    const Cell& cell = carried_.arc.cells[piece];
-    const bool crosses = surface_.crosses_knot(points_[piece].uv, points_[piece + 1].uv, cell);
-    double largest = 0.0;
-    for (std::size_t m = 0; m < (crosses ? kMeasured.size() : 1); ++m) {
-      for (const double place : kProbes) {
-        const double error = error_at(piece, m, place);
-        if (!(error <= largest)) largest = error;  // keeps NaN
+  /// The same at one place between the nodes.
+  [[nodiscard]] double error_at(double place) {
+    const std::vector<Cell>& cells = carried_.arc.cells;
+    const std::size_t pieces = cells.size();
+    probed_.resize(pieces);
+    uv_probed_.resize(pieces);
+    blend(numbers_, place, probed_);
+    blend(uv_numbers_, place, uv_probed_);
+    DistanceMeter meter(surface_, height(place));
+    for (std::size_t i = 0; i < pieces; ++i) {
+      if (!stays_in_cell(surface_, cells[i], uv_probed_[i])) return std::numeric_limits<double>::infinity();
+      const bool crosses = surface_.crosses_knot(points_[i].uv, points_[i + 1].uv, cells[i]);
+      for (std::size_t m = 0; m < (crosses ? kMeasured.size() : 1); ++m) {
+        meter.add({uv_probed_[i].at(kMeasured[m]), cells[i]}, probed_[i].at(kMeasured[m]));
       }
     }
-    return largest;
-  }
-
-  /// Whether a piece stays within its cell where the sheet is measured.
-  [[nodiscard]] bool stays_in_cell(std::size_t piece) const {
-    if (!surface_.is_divided()) return true;
-    const Cell& cell = carried_.arc.cells[piece];
-    for (const double place : kProbes) {
-      ArcPiece uv;
-      for (int k = 0; k < 6; ++k) {
-        uv.x[k] = value_at(uv_numbers_[piece * kNumbers + k], place);
-        uv.y[k] = value_at(uv_numbers_[piece * kNumbers + 6 + k], place);
-      }
-      if (!span::stays_in_cell(surface_, cell, uv)) return false;
-    }
-    return true;
-  }
-
-  /// Horizontal distance of a measured place of a piece from the surface, to first order about the point of its (u, v).
-  [[nodiscard]] double error_at(std::size_t piece, std::size_t measured, double place) const {
-    const double t = kMeasured[measured];
-    const Vec2 uv = point_at(uv_numbers_, piece, t, place);
-    const SurfacePoint at = surface_.evaluate_slopes(uv, carried_.arc.cells[piece]);
-    Vec3 point(0.0, 0.0, height(place));
-    point.head<2>() = point_at(numbers_, piece, t, place);
-    const Vec3 normal = at.normal();
-    return std::abs(normal.dot(point - at.point)) / normal.head<2>().norm();
-  }
-
-  /// A point of a piece, once its numbers are monomials in the place.
-  [[nodiscard]] static Vec2 point_at(const std::vector<NodeValues>& numbers, std::size_t piece, double t,
-                                     double place) {
-    Vec2 point = Vec2::Zero();
-    for (int k = 5; k >= 0; --k) {
-      point = point * t +
-              Vec2(value_at(numbers[piece * kNumbers + k], place), value_at(numbers[piece * kNumbers + 6 + k], place));
-    }
-    return point;
+    return meter.largest();
   }
 
   void store(std::vector<double>& coefficients) const {
-    const std::size_t stride = numbers_.size();
-    coefficients.resize(kNodes * stride);
-    for (std::size_t i = 0; i < stride; ++i) {
-      for (int power = 0; power < kNodes; ++power) coefficients[power * stride + i] = numbers_[i][power];
-    }
+    const double* first = numbers_.front().x.data();
+    coefficients.assign(first, first + numbers_.size() * kNumbers);
   }
 
   void leave_at_top() {
     TracedArc& arc = carried_.arc;
     arc.points = points_;
-    for (std::size_t i = 0; i < arc.pieces.size(); ++i) {
-      for (int k = 0; k < 6; ++k) {
-        arc.pieces[i].x[k] = value_at(numbers_[i * kNumbers + k], 1.0);
-        arc.pieces[i].y[k] = value_at(numbers_[i * kNumbers + 6 + k], 1.0);
-      }
-    }
+    blend(numbers_, 1.0, arc.pieces);
     carried_.start(high_);
   }
 
@@ -295,8 +277,11 @@ class Builder {
   CarriedArc& carried_;
   std::vector<SectionPoint> points_;  ///< at the node being worked on
   std::vector<Way> ways_;
-  std::vector<NodeValues> numbers_;
-  std::vector<NodeValues> uv_numbers_;
+  std::vector<ArcPiece> numbers_;  ///< [node or power][piece]
+  std::vector<ArcPiece> uv_numbers_;
+  std::vector<ArcPiece> probed_;  ///< between the nodes
+  std::vector<ArcPiece> uv_probed_;
+  std::vector<std::size_t> moving_;  ///< numbers of the points being moved
 };
 
 }  // namespace
@@ -320,7 +305,6 @@ double Sheet::build(const SectionSurface& surface, double sign, double low, doub
 
 void Sheet::evaluate(double z, ArcPiece* pieces) const {
   const double place = (2.0 * z - low_ - high_) / (high_ - low_);
-  static_assert(sizeof(ArcPiece) == kNumbers * sizeof(double));
   depth_kernel().blend(coefficients_.data(), piece_count_ * kNumbers, place, pieces->x.data());
 }
 

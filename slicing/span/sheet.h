@@ -18,6 +18,8 @@ class Sheet {
   static constexpr int kNodes = 5;
   /// A shorter run is not worth a sheet.
   static constexpr std::size_t kFewestLayers = 7;
+  /// Points that go farther over a run, in lengths of their pieces, are hardly ever met by a polynomial of this degree.
+  static constexpr double kFarthest = 4.0;
 
   /// Both ends of the arc at a height; false where one can't be placed.
   using EndsAt = std::function<bool(double z, SectionPoint& begin, SectionPoint& end)>;

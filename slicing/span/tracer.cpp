@@ -241,7 +241,7 @@ class Trace {
     PieceFit fit = fit_piece(surface_, cell_, current_, end);
     // The last bit of an arc may be too short, or end too obliquely in (u, v), for derivatives to mean anything.
     const double chord = (end.xy - current_.xy).norm();
-    if (!(fit.error <= 10.0 * limits_.tolerance)) {
+    if (!(fit.error <= limits_.last * limits_.tolerance)) {
       if (chord > 1e-2 * limits_.landing && end.uv_bend.allFinite()) return false;
       fit.piece = straight_piece(current_.xy, end.xy);
     }

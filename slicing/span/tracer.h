@@ -14,6 +14,7 @@ namespace lamella::span {
 struct TraceLimits {
   double tolerance = 1e-7;  ///< mm: accepted error of an arc piece
   double longest = 1.0;     ///< mm: longest step
+  double last = 10.0;       ///< tolerances that the last piece of an arc may be off
   double landing = 1e-5;    ///< mm: how far an end node may lie from the arc that ends there
   bool ellipses = true;     ///< ellipses stay what they are; else they become pieces as well
 };
