@@ -145,7 +145,7 @@ AdaptivePlan plan_adaptive_layers(const Scene& scene, const MaterialTable& table
   const SlantGrid grid{bottom, 0.5 * rules.quantum, 2 * (count + 1)};
   IdVector<MaterialId, WedgeRule> wedges;
   for (const MaterialLayers& layers : rules.materials) {
-    wedges.push_back({layers.deviation, 2.0 * layers.deviation / layers.thickness.lo});
+    wedges.push_back({layers.deviation, 2.0 * layers.deviation / layers.thickness().lo});
   }
   const ModelSlants slants = find_slants(scene, table, measures, solids, grid, wedges, progress, threads);
   const LayerCosts costs(table, rules, slants, bottom);
