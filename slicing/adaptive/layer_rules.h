@@ -11,7 +11,7 @@ namespace lamella {
 
 /// What `--adaptive` asks for.
 struct AdaptiveOptions {
-  double deviation = 0.0;         ///< mm: no layer's extruded section is farther than that from the surface
+  double deviation = 0.0;         ///< mm, positive: no layer's extruded section is farther than that from the surface
   std::optional<Interval> range;  ///< mm, of thicknesses; default: the machine's, else 2 to 20 steps
   std::optional<double> step;     ///< mm: thicknesses are multiples of it; default: the machine's, else by `deviation`
   std::optional<Machine> machine;
