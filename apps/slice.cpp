@@ -96,7 +96,7 @@ ExitCode finish(const Session& session, const SliceRequest& request, const Slice
   }
   if (session.json()) {
     Json object = with_accuracy(slice_json(outcome), outcome.accuracy);
-    if (request.format.turn) object["rotation"] = json_of(*request.format.turn);
+    if (request.slice.turn) object["rotation"] = json_of(*request.slice.turn);
     session.print(object);
   }
   session.print(slice_text(outcome));
@@ -105,7 +105,7 @@ ExitCode finish(const Session& session, const SliceRequest& request, const Slice
 
 /// Turns the assembly as --orient asks, and says how.
 void turn_assembly(const Session& session, Assembly& assembly, SliceRequest& request) {
-  request.format.turn = orient_assembly(session, assembly, *request.orient);
+  request.slice.turn = orient_assembly(session, assembly, *request.orient);
   measure_assembly(session, assembly);
 }
 

@@ -30,6 +30,7 @@ class Planner {
     plan_.currency = machine.currency;
     plan_.by_hatch = info.plan.hatch.has_value();
     plan_.width = machine.width;
+    plan_.turn = info.turn;
     for (const MachineTool& tool : machine.tools) plan_.tools.push_back(tool.name);
     for (const Material& material : info.materials) {
       settings_.push_back(machine.settings_of(material.name));
