@@ -8,7 +8,9 @@
 namespace lamella::apps {
 
 void add_adaptive_options(CLI::App& verb) {
-  add_value(verb, "--adaptive", "layers as thick as lets their extruded sections deviate by this much", "MM");
+  add_value(verb, "--adaptive",
+            "layers as thick as lets their extruded sections deviate by this much (auto: what --accuracy leaves)",
+            "MM|auto");
   add_value(verb, "--adaptive-range", "least and largest thickness (default: the machine's, else by --adaptive)",
             "MIN,MAX");
   add_value(verb, "--adaptive-step", "thicknesses are multiples of it (default: the machine's, else by --adaptive)",
@@ -31,7 +33,11 @@ std::optional<AdaptiveOptions> read_adaptive_options(const CLI::App& verb) {
                      "give the least and the largest thickness with --adaptive-range");
   }
   AdaptiveOptions options;
-  options.deviation = parse_positive("--adaptive", *deviation);
+  if (*deviation != "auto") {
+    options.deviation = parse_positive("--adaptive", *deviation);
+  } else if (!given(verb, "--accuracy")) {
+    throw UsageError("--adaptive auto needs --accuracy", {}, "give the largest deviation in mm, or --accuracy too");
+  }
   if (const auto range = given(verb, "--adaptive-range")) {
     const std::vector<double> ends = parse_numbers("--adaptive-range", *range, 2);
     options.range = Interval{ends[0], ends[1]};

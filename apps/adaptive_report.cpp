@@ -66,9 +66,11 @@ Json limits_json(const AdaptivePlan& plan, const Assembly& assembly) {
   for (const MaterialId id : plan.materials.ids()) {
     const MaterialDeviation& material = plan.materials[id];
     if (!material.is_used) continue;
+    const Interval thickness = material.asked.thickness();
     out.push_back({{"name", assembly.table.materials[id].name},
                    {"deviation", material.asked.deviation},
-                   {"thickness", {material.asked.thickness.lo, material.asked.thickness.hi}},
+                   {"thickness", {thickness.lo, thickness.hi}},
+                   {"tools", material.asked.tools},
                    {"largest_deviation", material.largest}});
   }
   return out;
@@ -131,8 +133,8 @@ std::string adaptive_text(const AdaptivePlan& plan, const Assembly& assembly, do
     const MaterialDeviation& material = plan.materials[id];
     if (!material.is_used) continue;
     table.add({assembly.table.materials[id].name, fmt::format("{:.4g}", material.largest),
-               fmt::format("{:.4g}", material.asked.deviation), short_mm(material.asked.thickness.lo),
-               short_mm(material.asked.thickness.hi)});
+               fmt::format("{:.4g}", material.asked.deviation), short_mm(material.asked.thickness().lo),
+               short_mm(material.asked.thickness().hi)});
   }
   return out + table.text();
 }

@@ -177,7 +177,7 @@ void check_format_options(const FormatOptions& options, const std::vector<Output
 }
 
 std::unique_ptr<LayerSink> make_sink(const Output& output, const FormatOptions& options) {
-  if (output.format == "store") return make_store_sink(output.path, {.turn = options.turn});
+  if (output.format == "store") return make_store_sink(output.path);
   check_format(output.format);
   const Format& format = *find_format(output.format);
   auto sink = format.make(output.path, options);

@@ -24,7 +24,6 @@ struct FormatOptions {
   bool is_sample = false;              ///< of a few layers, to estimate from
   bool raw = false;                    ///< volumes of labels not compressed
   int grey_bits = 8;                   ///< of png-grey and png-coverage
-  std::optional<Mat3> turn;            ///< how the assembly was turned, for the store
 };
 
 /// One output of a run.

@@ -1,5 +1,6 @@
 #include "apps/machine_options.h"
 
+#include <algorithm>
 #include <fmt/format.h>
 
 #include "core/error.h"
@@ -26,6 +27,19 @@ void apply_machine(const std::optional<std::string>& file, PlanOptions& plan, Ad
                    "--layer-height", "the machine's own is " + format_double(machine.layer_default) + " mm");
 }
 
+namespace {
+
+void warn_of_tolerance(const Session& session, const accuracy::LatticeChoice& choice) {
+  if (choice.file_tolerance <= choice.wanted) return;
+  session.warn({{Severity::warning, "", "", "",
+                 fmt::format("the STEP file states its edges to {:.3g} mm only, less accurately than the {:.3g} mm "
+                             "asked for",
+                             choice.file_tolerance, choice.wanted),
+                 "lamella info lists the tolerances of the solids"}});
+}
+
+}  // namespace
+
 accuracy::LatticeChoice apply_accuracy(const Session& session, const Assembly& assembly,
                                        std::span<const SolidId> solids, double accuracy,
                                        const std::optional<std::string>& machine, PlanOptions& plan) {
@@ -35,12 +49,26 @@ accuracy::LatticeChoice apply_accuracy(const Session& session, const Assembly& a
       accuracy::choose_lattice(assembly.scene, assembly.measures, solids, accuracy, read ? &*read : nullptr);
   plan.pitch = choice.pitch.head<2>();
   plan.layer_height = choice.pitch.z();
-  if (choice.file_tolerance > accuracy) {
-    session.warn({{Severity::warning, "", "", "",
-                   fmt::format("the STEP file states its edges to {:.3g} mm only, less accurately than the {:.3g} mm "
-                               "asked for",
-                               choice.file_tolerance, accuracy),
-                   "lamella info lists the tolerances of the solids"}});
+  warn_of_tolerance(session, choice);
+  return choice;
+}
+
+accuracy::LatticeChoice adaptive_accuracy(const Session& session, const Assembly& assembly,
+                                          std::span<const SolidId> solids, double accuracy, const LayerPlan& plan,
+                                          double deviation) {
+  double thickest = 0.0;
+  for (const LayerSpan& layer : plan.layers) thickest = std::max(thickest, layer.z_top - layer.z_bottom);
+  const Vec2 pitch = plan.grid.pitch.head<2>();
+  accuracy::LatticeChoice choice =
+      accuracy::adaptive_guarantee(assembly.scene, assembly.measures, solids, accuracy, pitch, thickest, deviation);
+  warn_of_tolerance(session, choice);
+  if (choice.surface_bound > accuracy * (1.0 + 1e-9)) {
+    session.warn(
+        {{Severity::warning, "", "", "",
+          fmt::format("voxels are within {:.4g} mm of the exact surface, not within the {:.4g} mm asked for: a "
+                      "material may deviate by more",
+                      choice.surface_bound, accuracy),
+          "see the deviations in the material library"}});
   }
   return choice;
 }

@@ -21,6 +21,11 @@ void apply_machine(const std::optional<std::string>& file, PlanOptions& plan, Ad
 accuracy::LatticeChoice apply_accuracy(const Session& session, const Assembly& assembly,
                                        std::span<const SolidId> solids, double accuracy,
                                        const std::optional<std::string>& machine, PlanOptions& plan);
+/// What adaptive layers with the pitch and the deviation that an accuracy in mm left them guarantee. `deviation` is
+/// their largest, in mm. Warns when the STEP file, or what the library allows a material, is less accurate.
+accuracy::LatticeChoice adaptive_accuracy(const Session& session, const Assembly& assembly,
+                                          std::span<const SolidId> solids, double accuracy, const LayerPlan& plan,
+                                          double deviation);
 /// One line for people.
 [[nodiscard]] std::string accuracy_line(const accuracy::LatticeChoice& choice);
 /// Adds "accuracy":{"wanted","surface_bound","offset_bound","file_tolerance"} if there is a choice.

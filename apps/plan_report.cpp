@@ -99,7 +99,8 @@ Json plan_json(const BuildPlan& plan) {
               {"machine_cost", plan.machine_cost},
               {"change_cost", plan.change_cost},
               {"size", json_of(plan.size)},
-              {"fits", plan.fits}};
+              {"fits", plan.fits},
+              {"rotation", plan.turn ? json_of(*plan.turn) : Json(nullptr)}};
   if (plan.support) {
     object["support"] = {{"material", plan.support->material},
                          {"volume", plan.support->volume},

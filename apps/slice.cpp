@@ -96,7 +96,7 @@ ExitCode finish(const Session& session, const SliceRequest& request, const Slice
   }
   if (session.json()) {
     Json object = with_accuracy(slice_json(outcome), outcome.accuracy);
-    if (request.format.turn) object["rotation"] = json_of(*request.format.turn);
+    if (request.slice.turn) object["rotation"] = json_of(*request.slice.turn);
     session.print(object);
   }
   session.print(slice_text(outcome));
@@ -105,7 +105,7 @@ ExitCode finish(const Session& session, const SliceRequest& request, const Slice
 
 /// Turns the assembly as --orient asks, and says how.
 void turn_assembly(const Session& session, Assembly& assembly, SliceRequest& request) {
-  request.format.turn = orient_assembly(session, assembly, *request.orient);
+  request.slice.turn = orient_assembly(session, assembly, *request.orient);
   measure_assembly(session, assembly);
 }
 
@@ -124,12 +124,15 @@ ExitCode run(const Session& session, SliceRequest& request) {
   const std::vector<SolidId> solids = choose_solids(assembly.scene, assembly.measures, request.slice.allow_open);
   PlanOptions plan_options = request.plan;
   std::optional<accuracy::LatticeChoice> choice;
-  if (request.accuracy) {
+  if (request.accuracy && !request.adaptive) {
     choice = apply_accuracy(session, assembly, solids, *request.accuracy, request.machine, plan_options);
   }
   LayerPlan plan = plan_layers(bounds_of(assembly), plan_options);
   std::optional<AdaptivePlan> adaptive;
   if (request.adaptive) adaptive = choose_layers(session, request, assembly, solids, plan);
+  if (request.accuracy && adaptive) {
+    choice = adaptive_accuracy(session, assembly, solids, *request.accuracy, plan, adaptive->largest_deviation);
+  }
   session.print(lattice_text(plan) + "\n");
   if (choice) session.print(accuracy_line(*choice) + "\n");
   if (adaptive) session.print(adaptive_text(*adaptive, assembly, request.adaptive->deviation));
@@ -167,6 +170,7 @@ void add_slice(CLI::App& program, CommonOptions& common, Action& action) {
       "  lamella slice grip.step insert.step -o build --materials grip.xml --layer-height 0.1 --pitch 0.05\n"
       "  lamella slice grip.step -o build --dpi 600,300 --layer-height 0.027 --png images --vdb grip.vdb\n"
       "  lamella slice grip.step -o build --accuracy 0.05\n"
+      "  lamella slice grip.step -o build --accuracy 0.05 --adaptive auto\n"
       "  lamella slice grip.step --png-indexed images            (no build kept)\n"
       "  lamella slice grip.step -o build --machine datasets/machines/material_jetting.xml\n"
       "  lamella slice grip.step -o build --adaptive 0.02 --adaptive-range 0.05,0.3 --adaptive-chart layers.svg\n"

@@ -6,6 +6,7 @@
 #include "apps/machine_options.h"
 #include "apps/options.h"
 #include "core/error.h"
+#include "slicing/accuracy/choose_lattice.h"
 
 namespace lamella::apps {
 
@@ -152,6 +153,17 @@ std::vector<StepPart> read_parts(CLI::App& verb, const std::vector<std::string>&
   return files.empty() ? std::move(job.parts) : parts_of(files);
 }
 
+/// Pitch, deviation and machine of adaptive layers from an accuracy.
+void share_accuracy(double accuracy, bool is_open, SliceRequest& request) {
+  AdaptiveOptions& adaptive = *request.adaptive;
+  if (request.machine) adaptive.machine = read_machine(*request.machine);
+  const accuracy::AdaptiveShare share =
+      accuracy::share_accuracy(accuracy, is_open ? std::nullopt : std::optional<double>(adaptive.deviation),
+                               adaptive.machine ? &*adaptive.machine : nullptr);
+  request.plan.pitch = share.pitch;
+  adaptive.deviation = share.deviation;
+}
+
 }  // namespace
 
 SliceRequest read_slice_request(CLI::App& verb, const std::vector<std::string>& files, CommonOptions& common) {
@@ -176,10 +188,10 @@ SliceRequest read_slice_request(CLI::App& verb, const std::vector<std::string>& 
   request.adaptive_chart = given(verb, "--adaptive-chart");
   request.accuracy = read_accuracy(verb);
   if (request.accuracy && request.adaptive) {
-    throw UsageError("--accuracy and --adaptive exclude each other", {},
-                     "give --adaptive with a --pitch, or --accuracy alone");
+    share_accuracy(*request.accuracy, given(verb, "--adaptive") == "auto", request);
+  } else if (!request.accuracy) {
+    apply_machine(request.machine, request.plan, request.adaptive ? &*request.adaptive : nullptr);
   }
-  if (!request.accuracy) apply_machine(request.machine, request.plan, request.adaptive ? &*request.adaptive : nullptr);
   if (const auto spec = given(verb, "--orient")) {
     request.orient = read_orient_options(verb, "--orient", *spec);
     request.orient->plan = request.plan;

@@ -26,7 +26,8 @@ struct SliceRequest {
   std::vector<Output> outputs;       ///< the store first, then the formats asked for
   FormatOptions format;
   PlanOptions plan;
-  std::optional<double> accuracy;             ///< mm; then the plan gets pitch and layer height when the model is known
+  std::optional<double> accuracy;  ///< mm; then the plan gets pitch and layer height when the model is known, but for
+                                   ///< adaptive layers
   std::optional<AdaptiveOptions> adaptive;    ///< with the machine, if any
   std::optional<std::string> adaptive_chart;  ///< file of the drawing
   OverlapPolicy policy = OverlapPolicy::priority;

@@ -11,6 +11,7 @@
 #include "export/byte_order.h"
 #include "export/deflate_writer.h"
 #include "export/headed_file.h"
+#include "slicing/rotation_words.h"
 
 namespace lamella {
 
@@ -57,6 +58,7 @@ std::string header_text(const BuildInfo& info, const Volume& volume, bool is_raw
                      vector_text(volume.first_centre()));
   out += "Segmentation_ContainedRepresentationNames:=Binary labelmap|\n";
   out += "Segmentation_MasterRepresentation:=Binary labelmap\nSegmentation_ReferenceImageExtentOffset:=0 0 0\n";
+  if (info.turn) out += fmt::format("rotation:={}\n", rotation_text(*info.turn));
   for (const MaterialId id : info.materials.ids()) out += segment_text(id, info.materials[id], volume);
   return out;
 }

@@ -11,6 +11,7 @@
 #include "export/byte_order.h"
 #include "export/deflate_writer.h"
 #include "export/headed_file.h"
+#include "slicing/rotation_words.h"
 
 namespace lamella {
 
@@ -151,6 +152,7 @@ class TiffFile final : public VolumeFile {
     out += fmt::format("min=0.0\nmax={}.0\n", info_.materials.size());
     out += fmt::format("origin_mm={} {} {}\n", format_double(volume.origin.x()), format_double(volume.origin.y()),
                        format_double(volume.origin.z()));
+    if (info_.turn) out += fmt::format("rotation={}\n", rotation_text(*info_.turn));
     for (const MaterialId id : info_.materials.ids()) {
       std::string name = info_.materials[id].name;
       for (char& c : name) c = static_cast<unsigned char>(c) < ' ' ? ' ' : c;

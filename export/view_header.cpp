@@ -11,6 +11,15 @@ void write_vector(JsonText& json, const char* name, const Vec3& value) {
   json.key(name).open('[').number(value.x()).number(value.y()).number(value.z()).close(']');
 }
 
+/// Row by row.
+void write_rotation(JsonText& json, const Mat3& turn) {
+  json.key("rotation").open('[');
+  for (int row = 0; row < 3; ++row) {
+    json.open('[').number(turn(row, 0)).number(turn(row, 1)).number(turn(row, 2)).close(']');
+  }
+  json.close(']');
+}
+
 void write_grid(JsonText& json, const BuildInfo& info) {
   const Grid& grid = info.plan.grid;
   json.key("grid").open('{');
@@ -147,6 +156,7 @@ std::string view_header(const BuildInfo& info, const SliceReport& report, const 
   json.open('{').key("sources").open('[');
   for (const SourceFile& source : info.sources) json.text(source.path);
   json.close(']');
+  if (info.turn) write_rotation(json, *info.turn);
   write_grid(json, info);
   write_materials(json, info, report);
   write_solids(json, info, report);

@@ -8,6 +8,7 @@
 #include "core/xml.h"
 #include "export/deflate_writer.h"
 #include "export/headed_file.h"
+#include "slicing/rotation_words.h"
 
 namespace lamella {
 
@@ -37,6 +38,15 @@ std::string names_text(const BuildInfo& info) {
   return out + "</Array>";
 }
 
+/// How the assembly was turned, if it was.
+std::string rotation_array(const BuildInfo& info) {
+  if (!info.turn) return {};
+  return fmt::format(
+      "<DataArray type=\"Float64\" Name=\"rotation\" NumberOfComponents=\"9\" NumberOfTuples=\"1\" "
+      "format=\"ascii\">{}</DataArray>",
+      rotation_text(*info.turn));
+}
+
 /// `offset` of the data behind the underscore.
 std::string header_text(const BuildInfo& info, const Volume& volume, bool is_raw, std::uint64_t offset) {
   const std::string extent = fmt::format("0 {} 0 {} 0 {}", volume.size[0], volume.size[1], volume.size[2]);
@@ -46,8 +56,8 @@ std::string header_text(const BuildInfo& info, const Volume& volume, bool is_raw
                   is_raw ? "" : " compressor=\"vtkZLibDataCompressor\"");
   out += fmt::format("<ImageData WholeExtent=\"{}\" Origin=\"{}\" Spacing=\"{}\">\n", extent,
                      vector_text(volume.origin), vector_text(volume.pitch));
-  out += fmt::format("<FieldData>{}</FieldData>\n<Piece Extent=\"{}\">\n<CellData Scalars=\"material\">\n",
-                     names_text(info), extent);
+  out += fmt::format("<FieldData>{}{}</FieldData>\n<Piece Extent=\"{}\">\n<CellData Scalars=\"material\">\n",
+                     names_text(info), rotation_array(info), extent);
   out += fmt::format("<DataArray type=\"{}\" Name=\"material\" format=\"appended\" offset=\"{}\"/>\n",
                      volume.label_bytes == 1 ? "UInt8" : "UInt16", offset);
   return out + "</CellData>\n</Piece>\n</ImageData>\n<AppendedData encoding=\"raw\">\n";

@@ -14,6 +14,7 @@
 #include "export/material_contours.h"
 #include "export/row_tracks.h"
 #include "export/vtk_array.h"
+#include "slicing/rotation_words.h"
 
 namespace lamella {
 
@@ -139,6 +140,11 @@ class VtpSink final : public LayerSink {
     xml.start("FieldData");
     write_names(xml, "material_names", material_names_);
     write_names(xml, "solid_paths", solid_paths_);
+    if (info_.turn) {
+      xml.start("DataArray").attribute("type", "Float64").attribute("Name", "rotation");
+      xml.attribute("NumberOfComponents", 9).attribute("NumberOfTuples", 1).attribute("format", "ascii");
+      xml.plain_text(rotation_text(*info_.turn)).end();
+    }
     xml.end();
     write_lines(xml, lines);
     xml.end().end();

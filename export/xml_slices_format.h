@@ -14,6 +14,7 @@ namespace lamella::slices_xml {
 inline constexpr std::string_view kNamespace = "urn:lamella:slices:1";
 inline constexpr std::string_view kVersion = "1.0";
 inline constexpr std::string_view kGradedVersion = "1.1";  ///< of builds with graded materials
+inline constexpr std::string_view kTurnedVersion = "1.2";  ///< turned before they were sliced, graded or not
 
 /// Bounds on what one layer may ask a reader to hold: 8 MiB of offsets, 800 MiB of segments.
 inline constexpr std::int64_t kMaxRows = std::int64_t{1} << 20;

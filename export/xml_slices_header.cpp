@@ -8,6 +8,8 @@
 #include "export/build_check.h"
 #include "export/xml_payload.h"
 #include "export/xml_slices_format.h"
+#include "model/move_scene.h"
+#include "slicing/rotation_words.h"
 
 namespace lamella::slices_xml {
 
@@ -137,6 +139,16 @@ IdVector<SolidId, BuildSolid> read_solids(XmlStream& xml, std::int64_t materials
   return solids;
 }
 
+Mat3 read_turn(XmlStream& xml) {
+  xml.enter("orientation", {"rotation"});
+  const std::vector<double> rows = xml.numbers("rotation", 9);
+  Mat3 turn;
+  for (int i = 0; i < 9; ++i) turn(i / 3, i % 3) = rows[static_cast<std::size_t>(i)];
+  if (!is_rotation(turn)) xml.fail("attribute 'rotation' is no rotation");
+  xml.leave();
+  return turn;
+}
+
 void write_grid(XmlWriter& xml, const Grid& grid) {
   xml.start("grid").attribute("origin", span_of(grid.origin)).attribute("pitch", span_of(grid.pitch));
   xml.attribute("size",
@@ -218,6 +230,7 @@ void write_header(XmlWriter& xml, const BuildInfo& info) {
   write_sources(xml, info.sources);
   write_materials(xml, info.materials);
   write_solids(xml, info.solids);
+  if (info.turn) xml.start("orientation").attribute("rotation", rotation_text(*info.turn)).end();
   write_plan(xml, info.plan);
   xml.end();
 }
@@ -236,6 +249,7 @@ BuildInfo read_header(XmlStream& xml) {
   info.sources = read_sources(xml);
   info.materials = read_materials(xml);
   info.solids = read_solids(xml, static_cast<std::int64_t>(info.materials.size()));
+  if (xml.at("orientation")) info.turn = read_turn(xml);
   info.plan = read_plan(xml);
   xml.leave();
   if (const std::string fault = find_build_fault(info); !fault.empty()) xml.fail(fault);

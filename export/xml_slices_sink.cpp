@@ -82,7 +82,9 @@ class XmlSink final : public LayerSink {
     xml_.emplace(file_->stream());
     xml_->start("slices")
         .attribute("xmlns", kNamespace)
-        .attribute("version", is_graded(info) ? kGradedVersion : kVersion);
+        .attribute("version", info.turn         ? kTurnedVersion
+                              : is_graded(info) ? kGradedVersion
+                                                : kVersion);
     write_header(*xml_, info);
     file_->check();
   }

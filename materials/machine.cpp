@@ -8,6 +8,13 @@
 
 namespace lamella {
 
+namespace {
+
+/// Heights are typed as decimals: half a nanometre is their rounding, not a difference.
+constexpr double kHeightRounding = 5e-7;  // mm
+
+}  // namespace
+
 const char* name_of(Technology technology) {
   switch (technology) {
     case Technology::material_jetting:
@@ -36,6 +43,12 @@ bool Machine::can_hold(ToolId tool, const std::string& material) const {
          std::any_of(globs.begin(), globs.end(), [&](const std::string& glob) { return matches_glob(glob, material); });
 }
 
+Interval Machine::layers_of(ToolId tool) const {
+  const MachineTool& own = tools[tool];
+  return {std::max(layer_min, own.layer_min.value_or(layer_min)),
+          std::min(layer_max, own.layer_max.value_or(layer_max))};
+}
+
 MaterialSettings Machine::settings_of(const std::string& material) const {
   const auto found = std::find_if(settings.begin(), settings.end(),
                                   [&](const MaterialSettings& one) { return matches_glob(one.match, material); });
@@ -44,16 +57,18 @@ MaterialSettings Machine::settings_of(const std::string& material) const {
 
 Vec3 Machine::scale() const { return (Vec3::Ones() - shrink).cwiseInverse(); }
 
+bool takes_height(const Interval& range, double height) {
+  return height >= range.lo - kHeightRounding && height <= range.hi + kHeightRounding;
+}
+
 std::string layer_height_fault(const Machine& machine, double height) {
-  // Heights are typed as decimals: half a nanometre is their rounding, not a difference.
-  constexpr double kRounding = 5e-7;
-  if (!(height >= machine.layer_min - kRounding && height <= machine.layer_max + kRounding)) {
+  if (!takes_height({machine.layer_min, machine.layer_max}, height)) {
     return "the machine builds layers of " + format_double(machine.layer_min) + " to " +
            format_double(machine.layer_max) + " mm";
   }
   if (machine.layer_step <= 0.0) return {};
   const double steps = (height - machine.layer_min) / machine.layer_step;
-  if (std::abs(steps - std::round(steps)) * machine.layer_step <= kRounding) return {};
+  if (std::abs(steps - std::round(steps)) * machine.layer_step <= kHeightRounding) return {};
   return "the machine builds layers of " + format_double(machine.layer_min) + " mm plus a multiple of " +
          format_double(machine.layer_step) + " mm";
 }

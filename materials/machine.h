@@ -27,10 +27,12 @@ enum class Technology {
 /// A nozzle, head, vat or hopper: holds one material at a time.
 struct MachineTool {
   std::string name;
-  std::vector<std::string> holds;  ///< globs on names of materials; empty: all
-  double speed = 0.0;              ///< mm/s while it deposits
-  double travel = 0.0;             ///< mm/s between tracks
-  double purge = 0.0;              ///< mm^3 of the new material when a change leads to this tool
+  std::vector<std::string> holds;                  ///< globs on names of materials; empty: all
+  double speed = 0.0;                              ///< mm/s while it deposits
+  double travel = 0.0;                             ///< mm/s between tracks
+  double purge = 0.0;                              ///< mm^3 of the new material when a change leads to this tool
+  std::optional<double> layer_min = std::nullopt;  ///< mm, of layers that it lays; absent: the machine's
+  std::optional<double> layer_max = std::nullopt;
 };
 
 /// What changing from one tool to another takes, where it differs from the rest.
@@ -115,6 +117,9 @@ struct Machine {
   /// What the change from one tool to another takes; nothing for the same tool.
   [[nodiscard]] ToolChange change(ToolId from, ToolId to) const;
   [[nodiscard]] bool can_hold(ToolId tool, const std::string& material) const;
+  /// Heights in mm of the layers that the tool lays: its own range within the machine's, empty (lo > hi) where they
+  /// have none in common.
+  [[nodiscard]] Interval layers_of(ToolId tool) const;
   /// The first settings that match; those of MaterialSettings{} when none does.
   [[nodiscard]] MaterialSettings settings_of(const std::string& material) const;
   /// mm by which lengths on the machine exceed those of the part, per mm: 1 / (1 - shrink).
@@ -126,6 +131,9 @@ inline constexpr std::size_t kMaxTools = 32;
 
 /// Reads machine.xml (schemas/machine.xsd, docs/formats/machine.md). Throws InputError with file, line and hint.
 [[nodiscard]] Machine read_machine(const std::filesystem::path& path);
+
+/// Whether a height in mm, typed as a decimal, is in a range of heights: half a nanometre counts as rounding.
+[[nodiscard]] bool takes_height(const Interval& range, double height);
 
 /// Why the machine can't build layers of this height, empty when it can.
 [[nodiscard]] std::string layer_height_fault(const Machine& machine, double height);

@@ -80,6 +80,7 @@ class MachineReader {
     if (const auto element = root.child("cost")) read_cost(*element);
     if (const auto element = root.child("gcode")) read_gcode(*element);
     check_exposures(root);
+    check_tools(required(root, "tools"));
   }
 
   [[nodiscard]] Machine take() { return std::move(machine_); }
@@ -171,7 +172,7 @@ class MachineReader {
   }
 
   void read_tool(const XmlElement& element) {
-    element.allow_only({"name", "speed", "travel", "purge"}, {"holds"});
+    element.allow_only({"name", "speed", "travel", "purge", "layer_min", "layer_max"}, {"holds"});
     MachineTool tool;
     tool.name = read_name(element, "name");
     if (!tool_ids_.emplace(tool.name, ToolId{machine_.tools.size()}).second) {
@@ -182,6 +183,9 @@ class MachineReader {
     tool.speed = positive(element, "speed", "mm/s", moves ? std::nullopt : std::optional<double>(0.0));
     tool.travel = positive(element, "travel", "mm/s", tool.speed);
     tool.purge = not_negative(element, "purge", "mm^3");
+    tool.layer_min = read_thickness(element, "layer_min");
+    tool.layer_max = read_thickness(element, "layer_max");
+    check_thicknesses(element, tool.layer_min, tool.layer_max);
     for (const XmlElement& holds : element.children("holds")) {
       holds.allow_only({"material"}, {});
       refuse_text(holds);
@@ -301,6 +305,19 @@ class MachineReader {
     if (machine_.settings.empty() || std::any_of(machine_.settings.begin(), machine_.settings.end(), dark)) {
       throw InputError("a vat machine needs an exposure for every material", root.where(),
                        "give <material match=\"*\" exposure=\"...\"/> in s");
+    }
+  }
+
+  /// A tool whose range lies outside the machine's could never be used.
+  void check_tools(const XmlElement& tools) const {
+    const std::vector<XmlElement> elements = tools.children("tool");
+    for (const ToolId tool : machine_.tools.ids()) {
+      const Interval layers = machine_.layers_of(tool);
+      if (layers.lo <= layers.hi) continue;
+      throw InputError("the layers of the tool " + in_quotes(machine_.tools[tool].name) + " aren't the machine's",
+                       elements[tool.value()].where(),
+                       "the machine builds layers of " + format_double(machine_.layer_min) + " to " +
+                           format_double(machine_.layer_max) + " mm: change layer_min and layer_max");
     }
   }
 

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,7 @@ struct BuildInfo {
   IdVector<SolidId, BuildSolid> solids;
   OverlapPolicy policy = OverlapPolicy::priority;
   LayerPlan plan;
+  std::optional<Mat3> turn = {};  ///< how the assembly was turned to be built: p -> turn p, from the files' frame
 };
 
 /// Whether the build has graded materials.

@@ -162,7 +162,9 @@ SliceReport slice_with(const SlabEngine& engine, const Scene& scene, const Mater
   const LayerCutter cutter(engine, scene, table, measures, plan, solids, interfaces, mixer);
   Tally tally(scene, table, measures, plan, solids, interfaces.contacts());
   try {
-    sink.begin(make_build_info(scene, table, measures, plan));
+    BuildInfo info = make_build_info(scene, table, measures, plan);
+    info.turn = options.turn;
+    sink.begin(info);
     cut_layers(cutter, engine.slab_layers, plan.layers.size(), options.threads, tally, sink, progress);
     SliceReport report = tally.finish();
     if (engine.findings) {

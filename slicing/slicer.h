@@ -28,6 +28,7 @@ struct SliceOptions {
   int threads = 0;                      ///< 0: all cores
   bool allow_open = false;              ///< slice open solids too, by winding number
   std::optional<double> gap_tolerance;  ///< mm; default: the touching faces' own, at least kMinGap
+  std::optional<Mat3> turn;             ///< by which the scene was turned before, for the record of the build
 };
 
 /// What begin() of every sink is told.
@@ -58,7 +59,7 @@ struct SliceOptions {
                                 const SliceOptions& options, LayerSink& sink, const Progress& progress = {});
 
 /// The same with any engine that was made for the solids of choose_solids(); of `options` only `threads`,
-/// `allow_open` and `gap_tolerance` count.
+/// `allow_open`, `gap_tolerance` and `turn` count.
 [[nodiscard]] SliceReport slice_with(const SlabEngine& engine, const Scene& scene, const MaterialTable& table,
                                      const IdVector<SolidId, SolidMeasure>& measures, const LayerPlan& plan,
                                      const SliceOptions& options, LayerSink& sink, const Progress& progress = {});

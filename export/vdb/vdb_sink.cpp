@@ -20,6 +20,7 @@
 #include "export/output_file.h"
 #include "export/uniform_z.h"
 #include "export/vdb/slab.h"
+#include "slicing/rotation_words.h"
 
 namespace lamella {
 
@@ -233,12 +234,14 @@ class GridSet {
   }
 
  public:
-  /// The table of labels: `material_1` is the name of the material with label 1, and so on.
+  /// The table of labels: `material_1` is the name of the material with label 1, and so on. `rotation`: how the
+  /// assembly was turned, if it was.
   static void insert_names(openvdb::MetaMap& metadata, const BuildInfo& info) {
     for (MaterialId id : info.materials.ids()) {
       metadata.insertMeta("material_" + std::to_string(1 + id.value()),
                           openvdb::StringMetadata(clean_text(info.materials[id].name)));
     }
+    if (info.turn) metadata.insertMeta("rotation", openvdb::StringMetadata(rotation_text(*info.turn)));
   }
 
  private:

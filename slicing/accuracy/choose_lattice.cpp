@@ -81,22 +81,70 @@ Vec3 machine_pitch(double accuracy, const std::vector<Seen>& seen, const Machine
       "with its pitch and thinnest layers it reaches " + format_double(std::ceil(reached * 1e6) / 1e6) + " mm");
 }
 
+double file_tolerance(const Scene& scene, std::span<const SolidId> solids) {
+  double most = 0.0;
+  for (const SolidId solid : solids) most = std::max(most, scene.solids[solid].info.max_tolerance);
+  return most;
+}
+
+void require_accuracy(double accuracy) {
+  if (accuracy > 0.0 && std::isfinite(accuracy)) return;
+  throw UsageError("the accuracy must be positive and finite", "--accuracy", "give a length in mm");
+}
+
+AdaptiveShare share_of_machine(double accuracy, std::optional<double> deviation, const Machine& machine) {
+  const double raster = 0.5 * machine.pitch.norm();
+  const double left = accuracy - raster;
+  const auto up = [](double value) { return format_double(std::ceil(value * 1e6) / 1e6) + " mm"; };
+  if (!(left > 0.0)) {
+    throw UsageError("the machine can't reach an accuracy of " + format_double(accuracy) + " mm", "--accuracy",
+                     "its pitch alone takes " + up(raster) + ", and layers take more");
+  }
+  if (deviation && *deviation > left) {
+    throw UsageError("layers that deviate by " + format_double(*deviation) +
+                         " mm and the machine's pitch don't reach " + format_double(accuracy) + " mm",
+                     "--adaptive",
+                     "with its pitch they reach " + up(raster + *deviation) + "; --adaptive auto takes what is left");
+  }
+  return {machine.pitch, deviation.value_or(round_down(left))};
+}
+
 }  // namespace
+
+AdaptiveShare share_accuracy(double accuracy, std::optional<double> deviation, const Machine* machine) {
+  require_accuracy(accuracy);
+  if (machine != nullptr) return share_of_machine(accuracy, deviation, *machine);
+  const double layers = deviation.value_or(round_down(0.5 * accuracy));
+  if (!(layers < accuracy)) {
+    throw UsageError("layers that deviate by " + format_double(layers) + " mm leave nothing of an accuracy of " +
+                         format_double(accuracy) + " mm to the pitch",
+                     "--adaptive", "give less than --accuracy, or --adaptive auto");
+  }
+  return {Vec2::Constant(round_down(std::sqrt(2.0) * (accuracy - layers))), layers};
+}
+
+LatticeChoice adaptive_guarantee(const Scene& scene, const IdVector<SolidId, SolidMeasure>& measures,
+                                 std::span<const SolidId> solids, double accuracy, const Vec2& pitch, double thickest,
+                                 double deviation) {
+  LatticeChoice choice;
+  choice.wanted = accuracy;
+  choice.pitch = {pitch.x(), pitch.y(), thickest};
+  choice.surface_bound = 0.5 * pitch.norm() + deviation;
+  choice.offset_bound = offset_bound(choice.pitch, seen_parts(measures, solids));
+  choice.file_tolerance = file_tolerance(scene, solids);
+  return choice;
+}
 
 LatticeChoice choose_lattice(const Scene& scene, const IdVector<SolidId, SolidMeasure>& measures,
                              std::span<const SolidId> solids, double accuracy, const Machine* machine) {
-  if (!(accuracy > 0.0) || !std::isfinite(accuracy)) {
-    throw UsageError("the accuracy must be positive and finite", "--accuracy", "give a length in mm");
-  }
+  require_accuracy(accuracy);
   const std::vector<Seen> seen = seen_parts(measures, solids);
   LatticeChoice choice;
   choice.wanted = accuracy;
   choice.pitch = machine != nullptr ? machine_pitch(accuracy, seen, *machine) : equal_pitch(accuracy, seen);
   choice.surface_bound = surface_bound(choice.pitch);
   choice.offset_bound = offset_bound(choice.pitch, seen);
-  for (const SolidId solid : solids) {
-    choice.file_tolerance = std::max(choice.file_tolerance, scene.solids[solid].info.max_tolerance);
-  }
+  choice.file_tolerance = file_tolerance(scene, solids);
   return choice;
 }
 

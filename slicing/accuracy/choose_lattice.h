@@ -27,4 +27,22 @@ struct LatticeChoice {
 [[nodiscard]] LatticeChoice choose_lattice(const Scene& scene, const IdVector<SolidId, SolidMeasure>& measures,
                                            std::span<const SolidId> solids, double accuracy, const Machine* machine);
 
+/// What an accuracy T leaves for adaptive layers: their extruded sections stay within `deviation` of the exact surface,
+/// and half the diagonal of a pixel is the rest of T.
+struct AdaptiveShare {
+  Vec2 pitch = Vec2::Zero();  ///< mm, along x and y
+  double deviation = 0.0;     ///< mm
+};
+
+/// Without a machine the layers get half of T where `deviation` is open, and the pitch, the same along both axes, what
+/// is left, both rounded down to two digits; with one the pitch is the machine's and the layers get what is left.
+/// Throws UsageError when T isn't positive, or the machine's pitch or the deviation asked for leaves nothing.
+[[nodiscard]] AdaptiveShare share_accuracy(double accuracy, std::optional<double> deviation, const Machine* machine);
+
+/// What adaptive layers with this share guarantee when none is thicker than `thickest` and their largest deviation is
+/// `deviation`, both in mm. `offset_bound` isn't held down to T.
+[[nodiscard]] LatticeChoice adaptive_guarantee(const Scene& scene, const IdVector<SolidId, SolidMeasure>& measures,
+                                               std::span<const SolidId> solids, double accuracy, const Vec2& pitch,
+                                               double thickest, double deviation);
+
 }  // namespace lamella::accuracy

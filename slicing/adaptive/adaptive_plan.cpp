@@ -26,9 +26,21 @@ double top_of(const IdVector<SolidId, SolidMeasure>& measures, std::span<const S
   return top;
 }
 
+/// Of the borders nearest to a height above the bottom the lower one, and whether the next is as near.
+struct Nearest {
+  double border = 0.0;
+  bool is_between = false;
+};
+
+Nearest nearest_border(double height, double quantum) {
+  const double below = std::floor(height / quantum);
+  const double beyond = height - (below + 0.5) * quantum;  // the middle between two borders
+  return {beyond > kTouch ? below + 1.0 : below, std::abs(beyond) <= kTouch};
+}
+
 /// The number of quanta nearest to the height, at least one.
 std::size_t count_quanta(double height, const LayerRules& rules) {
-  const double count = std::max(1.0, std::round(height / rules.quantum));
+  const double count = std::max(1.0, nearest_border(height, rules.quantum).border);
   if (!(count * static_cast<double>(rules.thicknesses.size()) <= kMaxCandidates)) {
     throw UsageError("too many layers to choose from: " + format_double(count) + " borders with " +
                          std::to_string(rules.thicknesses.size()) + " thicknesses each",
@@ -37,15 +49,16 @@ std::size_t count_quanta(double height, const LayerRules& rules) {
   return static_cast<std::size_t>(count);
 }
 
-/// Features by the border next to them.
-std::vector<std::uint64_t> weigh_borders(const ModelSlants& slants, double bottom, double quantum, std::size_t count) {
-  std::vector<std::uint64_t> missing(count + 1, 0);
+/// Enters what features cost at the border next to them, or at the two that are equally near: it meets either.
+void weigh_borders(const ModelSlants& slants, double bottom, double quantum, LayerProblem& problem) {
+  problem.missing.assign(problem.height + 1, 0);
+  problem.missing_both.assign(problem.height + 1, 0);
   for (const FlatFeature& feature : slants.features) {
-    const double border = std::round((feature.z - bottom) / quantum);
-    if (border < 0.0 || border > static_cast<double>(count)) continue;
-    missing[static_cast<std::size_t>(border)] += feature.kind == FlatKind::extremum ? 1 : kFlatWeight;
+    const auto [border, is_between] = nearest_border(feature.z - bottom, quantum);
+    if (border < 0.0 || border > static_cast<double>(problem.height)) continue;
+    std::vector<std::uint64_t>& costs = is_between ? problem.missing_both : problem.missing;
+    costs[static_cast<std::size_t>(border)] += feature.kind == FlatKind::extremum ? 1 : kFlatWeight;
   }
-  return missing;
 }
 
 LayerProblem state_problem(const LayerRules& rules, const LayerCosts& costs, std::size_t count,
@@ -145,13 +158,13 @@ AdaptivePlan plan_adaptive_layers(const Scene& scene, const MaterialTable& table
   const SlantGrid grid{bottom, 0.5 * rules.quantum, 2 * (count + 1)};
   IdVector<MaterialId, WedgeRule> wedges;
   for (const MaterialLayers& layers : rules.materials) {
-    wedges.push_back({layers.deviation, 2.0 * layers.deviation / layers.thickness.lo});
+    wedges.push_back({layers.deviation, 2.0 * layers.deviation / layers.thickness().lo});
   }
   const ModelSlants slants = find_slants(scene, table, measures, solids, grid, wedges, progress, threads);
   const LayerCosts costs(table, rules, slants, bottom);
   progress.report("choosing layers", -1.0);
   LayerProblem problem = state_problem(rules, costs, count, progress, threads);
-  problem.missing = weigh_borders(slants, bottom, rules.quantum, count);
+  weigh_borders(slants, bottom, rules.quantum, problem);
   const LayerSearch best = choose_best(problem);
   if (!best.choice) costs.refuse(best.reached);
 

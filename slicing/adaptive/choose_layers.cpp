@@ -24,20 +24,29 @@ struct State {
   bool is_reached = false;
 };
 
-/// Running sums of the costs of borders, so that those inside a layer are one difference.
+/// Running sums: what stands at [i] is the sum of costs [0, i).
+std::vector<std::uint64_t> sums_of(const std::vector<std::uint64_t>& costs, std::size_t size) {
+  std::vector<std::uint64_t> sums(size + 1, 0);
+  for (std::size_t i = 0; i < size; ++i) sums[i + 1] = sums[i] + (i < costs.size() ? costs[i] : 0);
+  return sums;
+}
+
+/// The costs of the borders inside a layer, as differences of sums.
 class Borders {
  public:
-  explicit Borders(const LayerProblem& problem) : height_(problem.height), sums_(problem.height + 2, 0) {
-    for (std::size_t i = 0; i <= height_; ++i) sums_[i + 1] = sums_[i] + problem.missing[i];
-  }
-  /// Between `from` and `to`, both left out.
+  explicit Borders(const LayerProblem& problem)
+      : size_(problem.height + 1), one_(sums_of(problem.missing, size_)), two_(sums_of(problem.missing_both, size_)) {}
+  /// Of the borders between `from` and `to`, both left out.
   [[nodiscard]] std::uint64_t inside(std::size_t from, std::size_t to) const {
-    return sums_[std::min(to, height_ + 1)] - sums_[from + 1];
+    const std::uint64_t alone = one_[std::min(to, size_)] - one_[from + 1];
+    if (to < from + 3) return alone;  // no two borders lie inside
+    return alone + two_[std::min(to - 1, size_)] - two_[from + 1];
   }
 
  private:
-  std::size_t height_;
-  std::vector<std::uint64_t> sums_;
+  std::size_t size_;
+  std::vector<std::uint64_t> one_;
+  std::vector<std::uint64_t> two_;
 };
 
 double deviation_of(const LayerProblem& problem, std::size_t border, std::size_t t) {

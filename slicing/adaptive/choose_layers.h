@@ -17,13 +17,15 @@ struct LayerProblem {
   std::vector<double> deviations;
   /// What it costs, for each border in [0, height], when no layer ends there.
   std::vector<std::uint64_t> missing;
+  /// What it costs, for each border i in [0, height], when no layer ends there nor at i + 1; empty: nothing.
+  std::vector<std::uint64_t> missing_both = {};
 
   static constexpr double kRefused = std::numeric_limits<double>::infinity();
 };
 
 struct LayerChoice {
   std::vector<std::size_t> borders;  ///< ascending from 0; the last one is not below the height
-  std::uint64_t missed = 0;          ///< sum of `missing` over the borders that were passed over
+  std::uint64_t missed = 0;          ///< sum of `missing` and `missing_both` over the borders that were passed over
   double deviation_sum = 0.0;        ///< of deviation times thickness, mm times quanta
   double largest = 0.0;              ///< deviation, mm
 

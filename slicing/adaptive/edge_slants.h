@@ -1,21 +1,9 @@
 #pragma once
 
-#include <vector>
-
 #include "slicing/adaptive/face_slants.h"
+#include "slicing/adaptive/ridge_slants.h"
 
 namespace lamella {
-
-/// Which wedges count, those where a face that looks up meets one that looks down: layers cut off their tips.
-struct WedgeRule {
-  double deviation = 0.0;  ///< mm, that is allowed
-  double steepest = 0.0;   ///< mm that a tip may recede by per mm of half a layer; what is beyond can't be kept
-};
-
-struct EdgeSlants {
-  std::vector<Slant> parts;
-  bool is_too_sharp = false;  ///< a wedge of which more than the allowed deviation may be cut off
-};
 
 /// Parts that cover an edge, given by one of its half-edges, with bounds of the slant of what lies between the normals
 /// of its two faces. Where `known`, the slants of the faces, has as much anyway, parts may be long and bounds

@@ -128,6 +128,20 @@ NormalCone FaceSlants::normals(const Box2& uv) const {
   return cone_of(vectors, rounding);
 }
 
+NormalCone FaceSlants::normals_of(std::size_t patch, const Interval& u, const Interval& v) const {
+  NormalNet part = restrict_to(nets_[patch], u, v);
+  if (!face_.same_sense) {
+    for (Vec3& d : part.net) d = -d;
+  }
+  return cone_of(part);
+}
+
+bool FaceSlants::is_outside(const Interval& u, const Interval& v) const {
+  const Vec2 lo = form_.to_surface({u.lo, v.lo});
+  const Vec2 hi = form_.to_surface({u.hi, v.hi});
+  return region_.classify(0.5 * (lo + hi), 0.5 * (hi - lo)) == TrimRegion::Side::outside;
+}
+
 std::vector<Slant> FaceSlants::parts(double resolution) const {
   if (const Plane* plane = std::get_if<Plane>(&face_.surface)) {
     return {{heights_, std::min(1.0, std::abs(plane->frame.z.normalized().z()))}};

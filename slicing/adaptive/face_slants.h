@@ -10,9 +10,6 @@
 
 namespace lamella {
 
-/// How exact bounds of slants are to be.
-inline constexpr double kSlantAccuracy = 0.005;
-
 /// The normals of one trimmed face. Queries are safe from several threads at once.
 class FaceSlants {
  public:
@@ -33,6 +30,15 @@ class FaceSlants {
   [[nodiscard]] Vec3 normal_at(const Vec2& uv) const;
   /// The same a thousandth of the way from there into the face's parameters, where a pole or an apex has normals.
   [[nodiscard]] Vec3 normal_beside(const Vec2& uv) const;
+
+  [[nodiscard]] const Surface& surface() const { return face_.surface; }
+  /// The surface's Bezier patches, and nets of the normals of each.
+  [[nodiscard]] const RationalForm& form() const { return form_; }
+  [[nodiscard]] const std::vector<NormalNet>& nets() const { return nets_; }
+  /// Of one patch the outward normals over parameters of the form, which may be a point.
+  [[nodiscard]] NormalCone normals_of(std::size_t patch, const Interval& u, const Interval& v) const;
+  /// Whether all of a rectangle of the form's parameters is certainly outside the trimmed face.
+  [[nodiscard]] bool is_outside(const Interval& u, const Interval& v) const;
 
  private:
   const Face& face_;

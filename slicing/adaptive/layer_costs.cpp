@@ -10,8 +10,7 @@ namespace lamella {
 
 namespace {
 
-constexpr double kRounding = 5e-7;  // mm, of thicknesses that are typed as decimals
-constexpr double kTouch = 1e-9;     // mm, of heights
+constexpr double kTouch = 1e-9;  // mm, of heights
 
 /// To a nanometre, in the fewest digits.
 std::string number(double value) { return format_double(std::round(value * 1e6) / 1e6); }
@@ -43,8 +42,7 @@ bool LayerCosts::has(MaterialId material, std::size_t border, std::size_t thickn
 bool LayerCosts::accepts(MaterialId material, std::size_t border, std::size_t thickness) const {
   const MaterialLayers& asked = rules_.materials[material];
   const double own = static_cast<double>(thickness) * rules_.quantum;
-  const bool fits = own >= asked.thickness.lo - kRounding && own <= asked.thickness.hi + kRounding;
-  if (!fits && has(material, border, thickness)) return false;
+  if (!asked.takes(own) && has(material, border, thickness)) return false;
   return deviation(material, border, thickness) <= asked.deviation + kTouch;
 }
 
@@ -59,7 +57,7 @@ bool LayerCosts::accepts(std::size_t border, std::size_t thickness) const {
 std::string LayerCosts::demand(MaterialId material, std::size_t border) const {
   const MaterialLayers& asked = rules_.materials[material];
   const std::string name = "'" + table_.materials[material].name + "'";
-  std::string text = name + " takes " + number(asked.thickness.lo) + " to " + mm(asked.thickness.hi);
+  std::string text = name + " takes " + thickness_text(asked);
   double most = 0.0;
   for (const std::size_t t : rules_.thicknesses) {
     if (deviation(material, border, t) <= asked.deviation + kTouch) most = static_cast<double>(t) * rules_.quantum;
@@ -83,8 +81,14 @@ void LayerCosts::refuse_at(std::size_t border, const std::vector<MaterialId>& ma
     demands += (i == 0 ? "" : "; ") + demand(materials[i], border);
   }
   const char* what = materials.size() == 1 ? "no layer suits the material " : "no layer suits the materials ";
-  throw InputError(what + names + " from z = " + mm(z) + " on",
-                   "z = " + mm(z) + " to " + mm(height(border + rules_.thicknesses.back())), demands);
+  const char* hint =
+      materials.size() == 1
+          ? "allow it a larger deviation or other thicknesses: deviation, layer_min and layer_max in the "
+            "library, those of the machine's tools, --adaptive-range"
+          : "give them a thickness in common: layer_min and layer_max in the library and of the machine's "
+            "tools and materials, --adaptive-range";
+  throw InputError(what + names + " from z = " + mm(z) + " on: " + demands,
+                   "z = " + mm(z) + " to " + mm(height(border + rules_.thicknesses.back())), hint);
 }
 
 void LayerCosts::refuse(const std::vector<std::size_t>& reached) const {

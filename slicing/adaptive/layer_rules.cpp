@@ -119,17 +119,112 @@ std::vector<std::size_t> thicknesses_in(const Interval& range, const Lattice& la
   return out;
 }
 
-MaterialLayers layers_of(const Material& material, const AdaptiveOptions& options, const Interval& common) {
-  MaterialLayers out{material.layers.deviation.value_or(options.deviation), common};
-  out.thickness = narrowed(out.thickness, material.layers.least, material.layers.most);
-  if (options.machine) {
-    const MaterialSettings settings = options.machine->settings_of(material.name);
-    out.thickness = narrowed(out.thickness, settings.layer_min, settings.layer_max);
+/// What one set of ranges and another have in common; both ascending and apart, and so is the result.
+std::vector<Interval> shared(const std::vector<Interval>& a, const std::vector<Interval>& b) {
+  std::vector<Interval> out;
+  for (const Interval& one : a) {
+    for (const Interval& other : b) {
+      const Interval both{std::max(one.lo, other.lo), std::min(one.hi, other.hi)};
+      if (both.lo <= both.hi + kRounding) out.push_back(both);
+    }
   }
   return out;
 }
 
+/// All that is in some of the ranges: ascending, apart.
+std::vector<Interval> united(std::vector<Interval> ranges) {
+  std::sort(ranges.begin(), ranges.end(), [](const Interval& a, const Interval& b) { return a.lo < b.lo; });
+  std::vector<Interval> out;
+  for (const Interval& range : ranges) {
+    if (out.empty() || range.lo > out.back().hi + kRounding) {
+      out.push_back(range);
+    } else {
+      out.back().hi = std::max(out.back().hi, range.hi);
+    }
+  }
+  return out;
+}
+
+/// The materials that tools have to hold for it.
+std::vector<std::string> names_in_tools(const MaterialTable& table, const Material& material) {
+  if (!material.is_graded()) return {material.name};
+  std::vector<std::string> out;
+  for (const MaterialId component : material.components) out.push_back(table.materials[component].name);
+  return out;
+}
+
+/// Leaves what tools that can hold `name` lay, and notes their names if that takes something away.
+void keep_to_tools(const Machine& machine, const std::string& name, MaterialLayers& layers) {
+  std::vector<Interval> ranges;
+  std::vector<std::string> tools;
+  for (const ToolId tool : machine.tools.ids()) {
+    if (!machine.can_hold(tool, name)) continue;
+    ranges.push_back(machine.layers_of(tool));
+    tools.push_back(machine.tools[tool].name);
+  }
+  ranges = united(std::move(ranges));
+  const Interval& all = layers.ranges.front();
+  const bool is_limit = layers.ranges.size() > 1 || ranges.size() != 1 || ranges.front().lo > all.lo + kRounding ||
+                        ranges.front().hi < all.hi - kRounding;
+  if (!is_limit) return;
+  layers.ranges = shared(layers.ranges, ranges);
+  for (const std::string& tool : tools) {
+    if (std::find(layers.tools.begin(), layers.tools.end(), tool) == layers.tools.end()) layers.tools.push_back(tool);
+  }
+}
+
+MaterialLayers layers_of(const MaterialTable& table, const Material& material, const AdaptiveOptions& options,
+                         const Interval& common) {
+  Interval range = narrowed(common, material.layers.least, material.layers.most);
+  MaterialLayers out{material.layers.deviation.value_or(options.deviation), {}, {}};
+  if (!options.machine) {
+    out.ranges = {range};
+    return out;
+  }
+  const MaterialSettings settings = options.machine->settings_of(material.name);
+  out.ranges = {narrowed(range, settings.layer_min, settings.layer_max)};
+  for (const std::string& name : names_in_tools(table, material)) {
+    if (!out.ranges.empty()) keep_to_tools(*options.machine, name, out);
+  }
+  return out;
+}
+
+/// Throws InputError for a material that some solid has and none of the tools can hold.
+void require_tool(const Machine& machine, const std::string& name) {
+  for (const ToolId tool : machine.tools.ids()) {
+    if (machine.can_hold(tool, name)) return;
+  }
+  throw InputError("no tool can hold the material '" + name + "'", machine.source,
+                   "add <holds material=\"...\"/> to a tool, or choose another machine");
+}
+
+/// Throws InputError when none of the thicknesses is left for a material.
+void require_thickness(const LayerRules& rules, const Material& material, const MaterialLayers& layers) {
+  const auto fits = [&](std::size_t thickness) { return layers.takes(static_cast<double>(thickness) * rules.quantum); };
+  if (std::any_of(rules.thicknesses.begin(), rules.thicknesses.end(), fits)) return;
+  throw InputError("no layer suits the material '" + material.name + "'", "material '" + material.name + "'",
+                   "its thicknesses would be " + thickness_text(layers) +
+                       "; see its layer_min and layer_max, the machine and --adaptive-range");
+}
+
 }  // namespace
+
+bool MaterialLayers::takes(double height) const {
+  return std::any_of(ranges.begin(), ranges.end(), [&](const Interval& range) { return takes_height(range, height); });
+}
+
+std::string thickness_text(const MaterialLayers& layers) {
+  const auto number = [](double value) { return format_double(std::round(value * 1e6) / 1e6); };
+  std::string text;
+  for (const Interval& range : layers.ranges) {
+    text += (text.empty() ? "" : " or ") + number(range.lo) + " to " + number(range.hi);
+  }
+  text += text.empty() ? "none" : " mm";
+  if (layers.tools.empty()) return text;
+  text += layers.tools.size() == 1 ? " (tool " : " (tools ";
+  for (std::size_t i = 0; i < layers.tools.size(); ++i) text += (i == 0 ? "'" : ", '") + layers.tools[i] + "'";
+  return text + ")";
+}
 
 LayerRules layer_rules(const MaterialTable& table, const AdaptiveOptions& options) {
   check_options(options);
@@ -145,17 +240,15 @@ LayerRules layer_rules(const MaterialTable& table, const AdaptiveOptions& option
   for (const Assignment& assignment : table.assignments) is_used[assignment.material.value()] = true;
   for (const MaterialId id : table.materials.ids()) {
     const Material& material = table.materials[id];
-    const MaterialLayers layers = layers_of(material, options, common);
-    const auto fits = [&](std::size_t thickness) {
-      const double height = static_cast<double>(thickness) * rules.quantum;
-      return height >= layers.thickness.lo - kRounding && height <= layers.thickness.hi + kRounding;
-    };
-    if (is_used[id.value()] && std::none_of(rules.thicknesses.begin(), rules.thicknesses.end(), fits)) {
-      throw InputError("no layer suits the material '" + material.name + "'", "material '" + material.name + "'",
-                       "its thicknesses would be " + range_text(layers.thickness) +
-                           "; see its layer_min and layer_max, the machine and --adaptive-range");
+    if (!is_used[id.value()]) {
+      rules.materials.push_back({options.deviation, {common}, {}});
+      continue;
     }
-    rules.materials.push_back(layers);
+    if (options.machine) {
+      for (const std::string& name : names_in_tools(table, material)) require_tool(*options.machine, name);
+    }
+    rules.materials.push_back(layers_of(table, material, options, common));
+    require_thickness(rules, material, rules.materials[id]);
   }
   return rules;
 }

@@ -10,6 +10,7 @@
 
 #include "core/parallel.h"
 #include "model/normal_cone.h"
+#include "slicing/adaptive/crease_slants.h"
 #include "slicing/adaptive/edge_slants.h"
 #include "slicing/adaptive/face_slants.h"
 #include "slicing/adaptive/flat_features.h"
@@ -89,6 +90,7 @@ class SlantFinder {
   }
 
   void look_at_edges(std::size_t i, const ModelSlants& found) {
+    look_at_creases(i, found);
     for (const LoopId loop : scene_.faces[faces_[i]].loops) {
       for (const HalfEdgeId id : scene_.loops[loop].half_edges) {
         const HalfEdge& half = scene_.half_edges[id];
@@ -106,6 +108,16 @@ class SlantFinder {
         const auto flat = flat_features(scene_, id, *slants_[i], *neighbor);
         features_[i].insert(features_[i].end(), flat.begin(), flat.end());
       }
+    }
+  }
+
+  void look_at_creases(std::size_t i, const ModelSlants& found) {
+    const MaterialId material = material_of(faces_[i]);
+    const CreaseSlants creases = crease_slants(*slants_[i], *found.profiles[material], wedges_[material]);
+    parts_[i].insert(parts_[i].end(), creases.parts.begin(), creases.parts.end());
+    sharp_edges_ += creases.sharp;
+    for (const double z : creases.extrema) {
+      features_[i].push_back({z, FlatKind::extremum, scene_.solid_of(faces_[i])});
     }
   }
 

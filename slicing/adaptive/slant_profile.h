@@ -7,6 +7,9 @@
 
 namespace lamella {
 
+/// How exact bounds of slants are to be.
+inline constexpr double kSlantAccuracy = 0.005;
+
 /// Part of a surface, its edges or its vertices: between these heights its normals have |n_z| of at most `slant` (0 on
 /// a vertical wall, 1 where it is horizontal). Along edges of wedges it is what their tips recede by instead, mm per
 /// mm, which may be more than 1 (docs/methods/adaptive-layers.md, eq. 4).

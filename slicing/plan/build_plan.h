@@ -72,6 +72,7 @@ struct BuildPlan {
   double width = 0.0;        ///< mm, of a track
   Vec3 size = Vec3::Zero();  ///< mm on the machine, shrinkage made up for
   bool fits = true;          ///< within the build volume
+  std::optional<Mat3> turn;  ///< how the assembly was turned to be built: p -> turn p, from the files' frame
   std::vector<std::string> tools;
   std::vector<PlanLayer> layers;
   std::vector<PlanMaterial> materials;

@@ -30,6 +30,7 @@ class Planner {
     plan_.currency = machine.currency;
     plan_.by_hatch = info.plan.hatch.has_value();
     plan_.width = machine.width;
+    plan_.turn = info.turn;
     for (const MachineTool& tool : machine.tools) plan_.tools.push_back(tool.name);
     for (const Material& material : info.materials) {
       settings_.push_back(machine.settings_of(material.name));
@@ -87,35 +88,84 @@ class Planner {
     LoadProblem problem;
     problem.tools = machine_.tools.size();
     problem.may_reload = machine_.allows_reloading;
-    for (const Material& material : info_.materials) {
-      std::uint32_t holders = 0;
-      for (const ToolId tool : machine_.tools.ids()) {
-        if (machine_.can_hold(tool, material.name)) holders |= 1U << tool.value();
-      }
-      problem.holders.push_back(holders);
-    }
-    for (const LayerStatistics& layer : layers_) {
-      problem.layers.emplace_back();
-      for (const MaterialStatistics& one : layer.materials) problem.layers.back().push_back(one.material.value());
-    }
-    refuse(judge_loads(problem), problem);
+    const std::vector<MaterialId> materials = state_needs(problem);
+    refuse(judge_loads(problem), problem, materials);
     LoadSchedule schedule = schedule_loads(problem);
     plan_.reloads = schedule.reloads;
     plan_.reloads_bound = schedule.lower_bound;
     return schedule;
   }
 
-  void refuse(const LoadVerdict& verdict, const LoadProblem& problem) const {
+  /// Bit t says that tool t can hold the material and lay the layer.
+  [[nodiscard]] std::uint32_t tools_for(MaterialId material, const LayerStatistics& layer) const {
+    const std::string& name = info_.materials[material].name;
+    const double height = layer.z_top - layer.z_bottom;
+    std::uint32_t tools = 0;
+    std::string ranges;
+    for (const ToolId tool : machine_.tools.ids()) {
+      if (!machine_.can_hold(tool, name)) continue;
+      const Interval range = machine_.layers_of(tool);
+      if (takes_height(range, height)) tools |= 1U << tool.value();
+      ranges += (ranges.empty() ? "'" : ", '") + machine_.tools[tool].name + "' lays " + format_double(range.lo) +
+                " to " + format_double(range.hi) + " mm";
+    }
+    if (tools != 0) return tools;
+    if (ranges.empty()) {
+      throw InputError("no tool can hold the material '" + name + "'", machine_.source,
+                       "add <holds material=\"...\"/> to a tool, or choose another machine");
+    }
+    throw InputError("layer " + std::to_string(layer.index) + " of " + format_double(height) +
+                         " mm has the material '" + name + "', which no tool lays so: " + ranges,
+                     machine_.source, "slice again with --adaptive and --machine or with another --layer-height");
+  }
+
+  /// Fills in layers and holders; the result says which material each need of the problem is. A material is one need,
+  /// to be held by tools that suit all its layers, where there is such a tool; else it is several whose tools differ.
+  std::vector<MaterialId> state_needs(LoadProblem& problem) const {
+    std::vector<std::vector<std::uint32_t>> groups(info_.materials.size());
+    std::vector<std::vector<std::size_t>> group_of;  // per layer, beside its materials
+    for (const LayerStatistics& layer : layers_) {
+      group_of.emplace_back();
+      for (const MaterialStatistics& one : layer.materials) {
+        const std::uint32_t tools = tools_for(one.material, layer);
+        std::vector<std::uint32_t>& own = groups[one.material.value()];
+        auto group = std::find_if(own.begin(), own.end(), [&](std::uint32_t other) { return (other & tools) != 0; });
+        if (group == own.end()) group = own.insert(group, tools);
+        *group &= tools;
+        group_of.back().push_back(static_cast<std::size_t>(group - own.begin()));
+      }
+    }
+    std::vector<MaterialId> materials;
+    std::vector<std::uint32_t> first;
+    for (const MaterialId material : info_.materials.ids()) {
+      first.push_back(static_cast<std::uint32_t>(materials.size()));
+      for (const std::uint32_t tools : groups[material.value()]) {
+        materials.push_back(material);
+        problem.holders.push_back(tools);
+      }
+    }
+    for (std::size_t k = 0; k < layers_.size(); ++k) {
+      problem.layers.emplace_back();
+      for (std::size_t i = 0; i < group_of[k].size(); ++i) {
+        const std::size_t material = layers_[k].materials[i].material.value();
+        problem.layers.back().push_back(first[material] + static_cast<std::uint32_t>(group_of[k][i]));
+      }
+    }
+    return materials;
+  }
+
+  void refuse(const LoadVerdict& verdict, const LoadProblem& problem, const std::vector<MaterialId>& materials) const {
     switch (verdict.fault) {
       case LoadFault::none:
         return;
       case LoadFault::material_fits_no_tool:
-        throw InputError("no tool can hold the material '" + info_.materials[MaterialId{verdict.which}].name + "'",
+        throw InputError("no tool can hold the material '" + info_.materials[materials[verdict.which]].name + "'",
                          machine_.source, "add <holds material=\"...\"/> to a tool, or choose another machine");
       case LoadFault::layer_needs_too_much: {
         std::vector<std::string> names;
-        for (const std::uint32_t m : problem.layers[verdict.which])
-          names.push_back(info_.materials[MaterialId{m}].name);
+        for (const std::uint32_t need : problem.layers[verdict.which]) {
+          names.push_back(info_.materials[materials[need]].name);
+        }
         throw InputError("layer " + std::to_string(layers_[verdict.which].index) + " needs " +
                              std::to_string(names.size()) + " materials at once (" + joined(names) +
                              "), which don't fit the " + std::to_string(problem.tools) + " tools together",

@@ -5,6 +5,8 @@
 namespace lamella {
 
 inline constexpr const char* kPlanNamespace = "urn:lamella:plan:1";
+inline constexpr const char* kPlanVersion = "1.0";
+inline constexpr const char* kTurnedPlanVersion = "1.1";  ///< of builds that were turned before they were sliced
 
 inline const char* severity_word(Severity severity) {
   return severity == Severity::note ? "note" : severity == Severity::warning ? "warning" : "error";

@@ -4,8 +4,10 @@
 
 #include "core/xml.h"
 #include "materials/color.h"
+#include "model/move_scene.h"
 #include "slicing/plan/build_plan.h"
 #include "slicing/plan/plan_words.h"
+#include "slicing/rotation_words.h"
 
 namespace lamella {
 
@@ -56,6 +58,7 @@ class PlanReader {
       if (const auto child = root.child(name)) return *child;
       refuse(root, std::string("no <") + name + ">");
     };
+    if (const auto orientation = root.child("orientation")) read_turn(*orientation);
     list("tools").allow_only({}, {"tool"});
     for (const XmlElement& tool : list("tools").children()) read_tool(tool);
     list("materials").allow_only({}, {"material"});
@@ -70,6 +73,16 @@ class PlanReader {
   [[nodiscard]] BuildPlan take() { return std::move(plan_); }
 
  private:
+  void read_turn(const XmlElement& element) {
+    element.allow_only({kTurnNames[0], kTurnNames[1], kTurnNames[2], kTurnNames[3], kTurnNames[4], kTurnNames[5],
+                        kTurnNames[6], kTurnNames[7], kTurnNames[8]},
+                       {});
+    Mat3 turn;
+    for (int i = 0; i < 9; ++i) turn(i / 3, i % 3) = element.number(kTurnNames[static_cast<std::size_t>(i)]);
+    if (!is_rotation(turn)) refuse(element, "the orientation is no rotation");
+    plan_.turn = turn;
+  }
+
   void read_head(const XmlElement& root) {
     if (root.attribute_or("xmlns", "") != kPlanNamespace) refuse(root, "not a Lamella plan file");
     root.allow_only({"version",
@@ -93,8 +106,10 @@ class PlanReader {
                      "size_x",
                      "size_y",
                      "size_z"},
-                    {"tools", "materials", "support", "findings", "layer"});
-    if (root.attribute("version") != "1.0") refuse(root, "version '" + root.attribute("version") + "' isn't known");
+                    {"orientation", "tools", "materials", "support", "findings", "layer"});
+    const std::string version = root.attribute("version");
+    if (version != kPlanVersion && version != kTurnedPlanVersion)
+      refuse(root, "version '" + root.attribute("version") + "' isn't known");
     plan_.machine = root.attribute("machine");
     plan_.technology = read_technology(root);
     plan_.currency = root.attribute("currency");

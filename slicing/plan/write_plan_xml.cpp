@@ -2,13 +2,16 @@
 #include "materials/color.h"
 #include "slicing/plan/build_plan.h"
 #include "slicing/plan/plan_words.h"
+#include "slicing/rotation_words.h"
 
 namespace lamella {
 
 namespace {
 
 void write_head(XmlWriter& xml, const BuildPlan& plan) {
-  xml.attribute("xmlns", kPlanNamespace).attribute("version", "1.0").attribute("machine", plan.machine);
+  xml.attribute("xmlns", kPlanNamespace)
+      .attribute("version", plan.turn ? kTurnedPlanVersion : kPlanVersion)
+      .attribute("machine", plan.machine);
   xml.attribute("technology", name_of(plan.technology)).attribute("currency", plan.currency);
   xml.attribute("lattice", plan.by_hatch ? "hatch" : "raster").attribute("width", plan.width);
   xml.attribute("layers", plan.layers.size()).attribute("time", plan.time).attribute("cost", plan.cost);
@@ -38,6 +41,11 @@ void write_material(XmlWriter& xml, const PlanMaterial& material, std::size_t id
 }
 
 void write_lists(XmlWriter& xml, const BuildPlan& plan) {
+  if (plan.turn) {
+    xml.start("orientation");
+    for (int i = 0; i < 9; ++i) xml.attribute(kTurnNames[static_cast<std::size_t>(i)], (*plan.turn)(i / 3, i % 3));
+    xml.end();
+  }
   xml.start("tools");
   for (std::size_t t = 0; t < plan.tools.size(); ++t) {
     xml.start("tool").attribute("id", t).attribute("name", plan.tools[t]).end();

@@ -44,7 +44,6 @@ struct ShardEntry {
 /// All that build.xml says (schemas/build.xsd, docs/formats/store.md).
 struct BuildFile {
   BuildInfo info;
-  std::optional<Mat3> turn;  ///< p -> turn p, from the files' frame to the build's
   SliceReport report;
   std::uint32_t layers_per_shard = 0;
   std::vector<ShardEntry> shards;

@@ -18,9 +18,6 @@ inline constexpr std::string_view kGradedVersion = "1.1";
 inline constexpr std::string_view kContourVersion = "1.2";  ///< with contours, graded or not
 inline constexpr std::string_view kTurnedVersion = "1.3";   ///< turned before it was sliced
 
-/// Attributes of <orientation>, row by row.
-inline constexpr std::array<const char*, 9> kTurnNames{"xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz"};
-
 /// Numbers of graded segments, knots and fractions of a layer's lattices.
 inline constexpr std::array<const char*, 3> kMixtureNames{"graded_segments", "knots", "fractions"};
 inline constexpr std::array<const char*, 3> kHatchMixtureNames{"hatch_graded_segments", "hatch_knots",

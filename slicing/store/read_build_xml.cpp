@@ -4,6 +4,7 @@
 
 #include "core/xml.h"
 #include "model/move_scene.h"
+#include "slicing/rotation_words.h"
 #include "slicing/store/build_file.h"
 #include "slicing/store/build_words.h"
 
@@ -359,7 +360,7 @@ BuildFile read_build_xml(const std::filesystem::path& path) {
   read_sources(only_child(root, "sources"), build.info);
   read_materials(only_child(root, "materials"), build.info);
   read_solids(only_child(root, "solids"), build.info);
-  if (const auto element = root.child("orientation")) build.turn = read_turn(*element);
+  if (const auto element = root.child("orientation")) build.info.turn = read_turn(*element);
   read_plan(only_child(root, "plan"), build.info);
   read_layers(only_child(root, "layers"), build);
   read_report(only_child(root, "report"), build);

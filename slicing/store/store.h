@@ -12,8 +12,7 @@ namespace lamella {
 
 struct StoreOptions {
   std::uint32_t layers_per_shard = 64;
-  int compression = 1;            ///< deflate level, 0 to 9; higher ones take half as long again for 1 % less
-  std::optional<Mat3> turn = {};  ///< how the assembly was turned to be built, for the record
+  int compression = 1;  ///< deflate level, 0 to 9; higher ones take half as long again for 1 % less
 };
 
 /// Writes a build: `build.xml`, `layers/NNNNNN.h5` shards, `layers.h5` that links them (docs/formats/store.md).
@@ -37,8 +36,6 @@ class StoreReader {
 
   [[nodiscard]] const BuildInfo& info() const;
   [[nodiscard]] const SliceReport& report() const;
-  /// How the assembly was turned before it was sliced, if it was: p -> turn p, from the files' frame to the build's.
-  [[nodiscard]] const std::optional<Mat3>& turn() const;
   [[nodiscard]] Layer read_layer(std::uint32_t index) const;
 
   /// Checks layers.h5, which this class does not need but other programs open: every layer's link is there and leads

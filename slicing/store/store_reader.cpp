@@ -55,8 +55,6 @@ StoreReader::StoreReader(fs::path build) : data_(std::make_unique<Data>()) {
   data_->limits = make_layer_limits(info.plan.grid.size[1], info.materials, info.solids.size());
 }
 
-const std::optional<Mat3>& StoreReader::turn() const { return data_->build.turn; }
-
 StoreReader::~StoreReader() = default;
 StoreReader::StoreReader(StoreReader&&) noexcept = default;
 

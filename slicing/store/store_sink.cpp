@@ -36,7 +36,6 @@ class StoreSink final : public LayerSink {
     }
     build_.info = info;
     build_.layers_per_shard = options_.layers_per_shard;
-    build_.turn = options_.turn;
     prepare_build_folder(folder_);
     owns_folder_ = true;
     // First of all the file by which a run that is killed from here on is recognised.

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/xml_writer.h"
+#include "slicing/rotation_words.h"
 #include "slicing/store/build_file.h"
 #include "slicing/store/build_words.h"
 
@@ -165,7 +166,7 @@ void write_turn(XmlWriter& xml, const std::optional<Mat3>& turn) {
 
 std::string_view version_of(const BuildFile& build) {
   const BuildInfo& info = build.info;
-  if (build.turn) return kTurnedVersion;
+  if (info.turn) return kTurnedVersion;
   if (info.plan.chord_error) return kContourVersion;
   return is_graded(info) ? kGradedVersion : kPlainVersion;
 }
@@ -193,7 +194,7 @@ std::string write_build_xml(const BuildFile& build, bool is_complete) {
   write_sources(xml, build.info);
   write_materials(xml, build.info);
   write_solids(xml, build.info);
-  write_turn(xml, build.turn);
+  write_turn(xml, build.info.turn);
   write_plan(xml, build.info);
   if (is_complete) {
     write_layers(xml, build);

@@ -124,5 +124,93 @@ TEST(Adaptive, TakesThicknessesFromTheMachineAndOptionsFromAJob) {
   EXPECT_NEAR(plan["adaptive"]["range"][1].get<double>(), 0.3, 1e-9);
 }
 
+TEST(Adaptive, AJobHasAllOfItsOptions) {
+  const TemporaryFolder folder;
+  write_text(folder / "job.xml", "<job xmlns=\"urn:lamella:job:1\" version=\"1.0\"><part file=\"" +
+                                     (datasets_dir() / "nested_spheres/nested_spheres.step").string() +
+                                     "\"/><options output=\"build\" pitch=\"0.5\" adaptive=\"0.15\" "
+                                     "adaptive-range=\"0.08,0.4\" adaptive-step=\"0.04\" "
+                                     "adaptive-chart=\"chart.svg\" json=\"true\"/></job>");
+  EXPECT_EQ(run_lamella("check " + quoted(folder / "job.xml")).exit_code, 0);
+  const CommandResult result = run_lamella("slice --job " + quoted(folder / "job.xml"));
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  const Json adaptive = parse_output(result)["adaptive"];
+  EXPECT_EQ(adaptive["deviation"], 0.15);
+  EXPECT_NEAR(adaptive["quantum"].get<double>(), 0.04, 1e-12);
+  EXPECT_NEAR(adaptive["range"][0].get<double>(), 0.08, 1e-12);
+  EXPECT_NEAR(adaptive["range"][1].get<double>(), 0.4, 1e-12);
+  // Places are those beside the job.
+  EXPECT_THAT(contents(folder / "chart.svg"), HasSubstr("thickness of layers in mm"));
+  EXPECT_EQ(run_lamella("check " + quoted(folder / "build")).exit_code, 0);
+  // The command line counts before the job.
+  const CommandResult other = run_lamella("slice --job " + quoted(folder / "job.xml") + " --adaptive-step 0.02");
+  ASSERT_EQ(other.exit_code, 0) << other.errors;
+  EXPECT_NEAR(parse_output(other)["adaptive"]["quantum"].get<double>(), 0.02, 1e-12);
+}
+
+TEST(Adaptive, LayersOfAMachinesToolsClashByName) {
+  const TemporaryFolder folder;
+  std::string machine = contents(datasets_dir() / "machines/multi_nozzle.xml");
+  const auto replace = [&](const std::string& was, const std::string& by) {
+    const std::size_t at = machine.find(was);
+    ASSERT_NE(at, std::string::npos) << was;
+    machine.replace(at, was.size(), by);
+  };
+  replace("<holds material=\"Steel*\"/>", "<holds material=\"Thick\"/>");
+  replace("layer_min=\"0.1\">", "layer_min=\"0.25\">");
+  replace("<holds material=\"TP[EU]*\"/>", "<holds material=\"Thin\"/>");
+  replace("layer_max=\"0.25\">", "layer_max=\"0.2\">");
+  for (const char* head : {"1", "2", "3", "4"}) {
+    const std::string tool = std::string("name=\"head ") + head + "\" speed=\"80\" travel=\"250\" purge=\"15\"";
+    replace("<tool " + tool + "/>", "<tool " + tool + "><holds material=\"PVA\"/></tool>");
+  }
+  write_text(folder / "machine.xml", machine);
+  EXPECT_EQ(run_lamella("check " + quoted(folder / "machine.xml")).exit_code, 0);
+  write_text(folder / "m.xml",
+             "<materials xmlns=\"urn:lamella:materials:1\" version=\"1.3\"><library>"
+             "<material name=\"Thick\"/><material name=\"Thin\"/></library><assignments default=\"Thick\">"
+             "<assign name=\"Cork*\" material=\"Thin\"/></assignments></materials>");
+  const CommandResult result =
+      run_lamella("slice " + boxes() + " --pitch 1 --adaptive 0.3 --materials " + quoted(folder / "m.xml") +
+                  " --machine " + quoted(folder / "machine.xml") + " -o " + quoted(folder / "build"));
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.errors, HasSubstr("no layer suits the materials 'Thick' and 'Thin' from z = "));
+  EXPECT_THAT(result.errors, HasSubstr("'Thick' takes 0.25 to 0.3 mm (tool 'hot head')"));
+  EXPECT_THAT(result.errors, HasSubstr("'Thin' takes 0.1 to 0.2 mm (tool 'soft head')"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "build"));
+}
+
+TEST(Adaptive, SharesTheAccuracyWithThePitch) {
+  const TemporaryFolder folder;
+  const std::string run = "slice " + spheres() + " --json --dry-run -o " + quoted(folder / "build");
+  const CommandResult result = run_lamella(run + " --accuracy 0.3 --adaptive auto");
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  const Json plan = parse_output(result);
+  EXPECT_DOUBLE_EQ(plan["adaptive"]["deviation"].get<double>(), 0.15);
+  EXPECT_DOUBLE_EQ(plan["grid"]["pitch"][0].get<double>(), 0.21);
+  const double diagonal = 0.5 * std::hypot(0.21, 0.21);
+  EXPECT_NEAR(plan["accuracy"]["surface_bound"].get<double>(),
+              diagonal + plan["adaptive"]["largest_deviation"].get<double>(), 1e-12);
+  EXPECT_LE(plan["accuracy"]["surface_bound"], 0.3);
+  const Json own = parse_output(run_lamella(run + " --accuracy 0.3 --adaptive 0.1"));
+  EXPECT_DOUBLE_EQ(own["grid"]["pitch"][1].get<double>(), 0.28);
+  const CommandResult nozzles = run_lamella(run + " --accuracy 0.3 --adaptive auto --machine " +
+                                            quoted(datasets_dir() / "machines/multi_nozzle.xml"));
+  EXPECT_DOUBLE_EQ(parse_output(nozzles)["grid"]["pitch"][1].get<double>(), 0.2);
+  EXPECT_DOUBLE_EQ(parse_output(nozzles)["adaptive"]["deviation"].get<double>(), 0.18);
+}
+
+TEST(Adaptive, WarnsWhereALibraryAllowsMoreThanTheAccuracy) {
+  const TemporaryFolder folder;
+  write_text(folder / "m.xml",
+             "<materials xmlns=\"urn:lamella:materials:1\" version=\"1.3\"><library>"
+             "<material name=\"Loose\" deviation=\"0.4\"/></library><assignments default=\"Loose\"/></materials>");
+  const CommandResult result = run_lamella(
+      "slice " + spheres() + " --accuracy 0.3 --adaptive auto --adaptive-range 0.1,2 --dry-run --materials " +
+      quoted(folder / "m.xml") + " -o " + quoted(folder / "build"));
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_THAT(result.errors, HasSubstr("not within the 0.3 mm asked for"));
+}
+
 }  // namespace
 }  // namespace lamella::test

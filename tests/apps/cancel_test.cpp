@@ -52,11 +52,35 @@ TEST(Cancel, IsJsonToo) {
 
 TEST(Cancel, AlsoStopsTheSearchForAnOrientation) {
   const TemporaryFolder folder;
-  const CommandResult result =
-      interrupt("orient " + quoted(datasets_dir() / "nested_spheres/nested_spheres.step") + " --gap 1e-9", "sleep 1.5",
-                "kill -INT $pid");
+  const CommandResult result = interrupt("orient " + quoted(datasets_dir() / "nested_spheres/nested_spheres.step") +
+                                             " --gap 1e-9 --page " + quoted(folder / "page.html"),
+                                         "sleep 1.5", "kill -INT $pid");
   EXPECT_THAT(result.output, HasSubstr("exit 130")) << result.errors;
   EXPECT_THAT(result.errors, HasSubstr("lamella: error: cancelled"));
+  EXPECT_THAT(files_below(folder.path()), ::testing::IsEmpty());
+}
+
+/// A run whose adaptive layers take long to choose, its messages in a file.
+std::string long_choice(const TemporaryFolder& folder) {
+  return "slice " + quoted(datasets_dir() / "impeller_135/impeller_135.step") +
+         " --pitch 1 --adaptive 0.05 --adaptive-range 0.002,1.2 --adaptive-step 0.002 -o " + quoted(folder / "build") +
+         " --png " + quoted(folder / "png") + " --adaptive-chart " + quoted(folder / "chart.svg");
+}
+
+TEST(Cancel, WhileLayersAreChosenLeavesNothing) {
+  for (const std::string stage : {"bounding normals", "choosing layers"}) {
+    const TemporaryFolder messages;
+    const TemporaryFolder folder;
+    const std::string errors = quoted(messages / "errors.txt");
+    const CommandResult result =
+        interrupt(long_choice(folder) + " 2> " + errors, "grep -q '" + stage + "' " + errors, "kill -INT $pid");
+    EXPECT_THAT(result.output, HasSubstr("exit 130")) << stage;
+    const std::string said = contents(messages / "errors.txt");
+    EXPECT_THAT(said, HasSubstr(stage));
+    EXPECT_THAT(said, HasSubstr("lamella: error: cancelled"));
+    EXPECT_THAT(said, Not(HasSubstr("slicing")));
+    EXPECT_THAT(files_below(folder.path()), ::testing::IsEmpty()) << stage;
+  }
 }
 
 TEST(Cancel, OfAnAccuracyStudyLeavesNothing) {

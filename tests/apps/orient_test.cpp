@@ -1,5 +1,6 @@
 #include <cmath>
 #include <gmock/gmock.h>
+#include <sstream>
 
 #include "tests/apps/command_json.h"
 
@@ -171,6 +172,27 @@ TEST(SliceOrient, TurnsTheAssemblyBeforeItIsSlicedAndRecordsIt) {
     EXPECT_EQ(attribute(xml, names[i]), oriented["candidates"][0]["rotation"][i / 3][i % 3].get<double>()) << names[i];
   EXPECT_THAT(contents(folder / "plain/build.xml"), Not(HasSubstr("orientation")));
   EXPECT_EQ(run_lamella("check " + quoted(folder / "turned")).exit_code, 0);
+
+  // It goes on from the build to what is made of it.
+  const Json& rotation = after["rotation"];
+  const std::string build = quoted(folder / "turned");
+  const CommandResult plan = run_lamella("plan " + build + " --json --quiet -o " + quoted(folder / "plan.xml") +
+                                         " --machine " + shipped_machine("multi_nozzle"));
+  ASSERT_EQ(plan.exit_code, 0) << plan.errors;
+  EXPECT_EQ(parse_output(plan)["rotation"], rotation);
+  for (int i = 0; i < 9; ++i)
+    EXPECT_EQ(attribute(contents(folder / "plan.xml"), names[i]), rotation[i / 3][i % 3].get<double>());
+  EXPECT_EQ(run_lamella("check " + quoted(folder / "plan.xml")).exit_code, 0);
+  ASSERT_EQ(run_lamella("export " + build + " --to xml -o " + quoted(folder / "s.xml")).exit_code, 0);
+  EXPECT_EQ(run_lamella("check " + quoted(folder / "s.xml")).exit_code, 0);
+  const std::string slices = contents(folder / "s.xml");
+  const std::size_t at = slices.find("<orientation rotation=\"") + 23;
+  std::istringstream rows(slices.substr(at, slices.find('"', at) - at));
+  for (int i = 0; i < 9; ++i) {
+    double value = 0.0;
+    ASSERT_TRUE(rows >> value) << i;
+    EXPECT_EQ(value, rotation[i / 3][i % 3].get<double>()) << i;
+  }
   EXPECT_EQ(run_lamella("check " + quoted(folder / "turned/build.xml")).exit_code, 0);
 }
 

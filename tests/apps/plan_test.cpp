@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 #include <regex>
+#include <set>
 
 #include "tests/apps/command_json.h"
 
@@ -163,6 +164,72 @@ TEST_F(Plan, GcodeNeedsHatchRows) {
 std::size_t count_matches(const std::string& text, const char* pattern) {
   const std::regex regex(pattern);
   return static_cast<std::size_t>(std::distance(std::sregex_iterator(text.begin(), text.end(), regex), {}));
+}
+
+/// The values of an attribute of all elements of a name, in the order of the file.
+std::vector<double> numbers_of(const std::string& xml, const std::string& element, const std::string& attribute) {
+  const std::regex regex("<" + element + " [^>]*\\b" + attribute + "=\"([^\"]*)\"");
+  std::vector<double> out;
+  for (std::sregex_iterator at(xml.begin(), xml.end(), regex), end; at != end; ++at) out.push_back(std::stod((*at)[1]));
+  return out;
+}
+
+/// Plans adaptive layers of the balls on a machine, and holds the plan against the layer table of the build.
+void expect_plan_of_adaptive_layers(const char* profile, const std::string& hatch) {
+  const TemporaryFolder own;
+  const CommandResult result = run_lamella("slice " + spheres() + " --pitch 0.4 --adaptive 0.1 --json --machine " +
+                                           machine(profile) + hatch + " -o " + quoted(own / "build"));
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  const Json sliced = parse_output(result);
+  const CommandResult planned = run_lamella("plan " + quoted(own / "build") + " --json --quiet --machine " +
+                                            machine(profile) + " -o " + quoted(own / "plan.xml"));
+  ASSERT_EQ(planned.exit_code, 0) << planned.errors;
+  const Json plan = parse_output(planned);
+
+  const std::string table = contents(own / "build/build.xml");
+  const std::string text = contents(own / "plan.xml");
+  const std::vector<double> bottoms = numbers_of(table, "layer", "z_bottom");
+  const std::vector<double> tops = numbers_of(table, "layer", "z_top");
+  EXPECT_EQ(numbers_of(text, "layer", "z_bottom"), bottoms);
+  EXPECT_EQ(numbers_of(text, "layer", "z_top"), tops);
+  ASSERT_EQ(bottoms.size(), sliced["layers"].get<std::size_t>());
+  std::set<long> thicknesses;
+  for (std::size_t k = 0; k < tops.size(); ++k) thicknesses.insert(std::lround((tops[k] - bottoms[k]) * 1e6));
+  EXPECT_GT(thicknesses.size(), 1U) << "all layers are alike";
+
+  // Each layer by itself: what its steps lay down is their area times its thickness, and its time is made of theirs.
+  const std::string profile_text = contents(datasets_dir() / "machines" / (std::string(profile) + ".xml"));
+  const double overhead = numbers_of(profile_text, "layer", "overhead").at(0);
+  const std::vector<double> times = numbers_of(text, "layer", "time");
+  double total = 0.0;
+  std::size_t k = 0;
+  for (std::size_t at = text.find("<layer "); at != std::string::npos; ++k) {
+    const std::size_t next = text.find("<layer ", at + 1);
+    const std::string one = text.substr(at, next == std::string::npos ? next : next - at);
+    const std::vector<double> areas = numbers_of(one, "step", "area");
+    const std::vector<double> volumes = numbers_of(one, "step", "volume");
+    ASSERT_EQ(areas.size(), volumes.size());
+    for (std::size_t s = 0; s < areas.size(); ++s) {
+      EXPECT_NEAR(volumes[s], areas[s] * (tops[k] - bottoms[k]), 1e-9 * areas[s]) << "layer " << k;
+    }
+    double time = overhead;
+    for (const double step : numbers_of(one, "step", "time")) time += step;
+    for (const double change : numbers_of(one, "step", "change_time")) time += change;
+    EXPECT_NEAR(times[k], time, 1e-9 * time) << "layer " << k;
+    total += times[k];
+    at = next;
+  }
+  EXPECT_EQ(k, tops.size());
+  EXPECT_NEAR(plan["time"].get<double>(), total, 1e-9 * total);
+  for (std::size_t m = 0; m < plan["materials"].size(); ++m) {
+    const double volume = sliced["materials"][m]["volume"].get<double>();
+    EXPECT_NEAR(plan["materials"][m]["volume"].get<double>(), volume, 1e-9 * volume);
+  }
+}
+
+TEST(PlanOfAdaptiveLayers, HasTheThicknessesVolumesAndTimesOfTheLayerTable) {
+  expect_plan_of_adaptive_layers("multi_vat", "");
+  expect_plan_of_adaptive_layers("multi_nozzle", " --hatch-spacing 0.4");
 }
 
 /// Compares what a foreign reader says of the build's G-code with its plan. `reader` prints an object of layers with

@@ -112,7 +112,8 @@ INSTANTIATE_TEST_SUITE_P(
         Misuse{"slice x.step -o out --accuracy nan", "--accuracy"},
         Misuse{"slice x.step -o out --accuracy 0.1 --pitch 1", "exclude"},
         Misuse{"slice x.step -o out --accuracy 0.1 --dpi 300", "exclude"},
-        Misuse{"slice x.step -o out --accuracy 0.1 --adaptive 0.1", "exclude"},
+        Misuse{"slice x.step -o out --accuracy 0.1 --adaptive 0.1", "leave nothing of an accuracy"},
+        Misuse{"slice x.step -o out --adaptive auto", "needs --accuracy"},
         Misuse{"slice x.step -o out --accuracy 0.1 --layer-height 0.1", "exclude"}, Misuse{"check", "path"}));
 
 TEST(Errors, AreJsonOnStdoutToo) {

@@ -20,6 +20,10 @@ while f"material_{count + 1}" in table:
     count += 1
     print("name", count, table[f"material_{count}"])
 
+if "rotation" in table:
+    print("rotation", "material", table["rotation"])
+    assert pyopenvdb.readMetadata(path)["rotation"] == table["rotation"]
+
 for name in names + sys.argv[6:]:
     grid = pyopenvdb.read(path, name)
     print("grid", name, grid.gridClass, grid.creator, grid["unit"])

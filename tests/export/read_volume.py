@@ -2,7 +2,7 @@
 
     read_volume.py FILE LABELS
 
-prints `size`, `pitch` and `origin` (of the lower corner) along x, y, z and the `name` of each label, and writes the labels as 16-bit
+prints `size`, `pitch` and `origin` (of the lower corner) along x, y, z, the `rotation` if there is one and the `name` of each label, and writes the labels as 16-bit
 numbers, x fastest, to LABELS. TIFF is read with tifffile, NRRD with teem; MetaImage and VTK image data, whose readers are heavy
 (read_volume_paraview.py), by their definition.
 """
@@ -23,6 +23,13 @@ def show(item, values):
     print(item, *values)
 
 
+def show_rotation(found):
+    """The nine numbers by rows, if the file has them."""
+    assert len(found) <= 1, found
+    for text in found:
+        show("rotation", text.split())
+
+
 def read_tiff():
     import tifffile
 
@@ -36,6 +43,7 @@ def read_tiff():
         labels = numpy.stack([p.asarray() for p in file.pages])
         show("pitch", [per_mm[0][1] / per_mm[0][0], per_mm[1][1] / per_mm[1][0], about["spacing"]])
         origin = [float(value) for value in str(about["origin_mm"]).split()]
+        show_rotation([str(about[key]) for key in about if key == "rotation"])
         names = [about[f"material_{label}"] for label in range(1, 1 + sum(k.startswith("material_") for k in about))]
     return labels, origin, names
 
@@ -50,6 +58,7 @@ def read_nrrd():
     sizes = [int(v) for v in re.search(rb"sizes: (.*)", text)[1].split()]
     kind = numpy.uint8 if b"type: unsigned char" in text else numpy.uint16
     show("pitch", pitch)
+    show_rotation(re.findall(r"^rotation:=(.*)$", head, re.MULTILINE))
     names = re.findall(r"Segment\d+_Name:=(.*)", head)
     assert re.findall(r"Segment\d+_LabelValue:=(.*)", head) == [str(1 + n) for n in range(len(names))]
     return numpy.frombuffer(data, kind).reshape(sizes[::-1]), [c - p / 2 for c, p in zip(centre, pitch)], names
@@ -72,7 +81,7 @@ def read_vti():
     text, data = path.read_bytes().split(b'<AppendedData encoding="raw">', 1)
     root = tree.fromstring(text + b"</VTKFile>")
     image = root.find("ImageData")
-    array = image.find(".//DataArray")
+    array = image.find("Piece/CellData/DataArray")
     kind = {"UInt8": numpy.uint8, "UInt16": numpy.uint16}[array.get("type")]
     extent = [int(v) for v in image.get("WholeExtent").split()]
     data = data[data.index(b"_") + 1 + int(array.get("offset")):]
@@ -87,6 +96,7 @@ def read_vti():
     else:
         data = data[8 : 8 + int(words[0])]
     show("pitch", [float(v) for v in image.get("Spacing").split()])
+    show_rotation([a.text for a in image.findall("FieldData/DataArray") if a.get("Name") == "rotation"])
     codes = bytes(int(v) for v in image.find("FieldData/Array").text.split())
     names = codes.decode().split("\0")[1:-1]
     return numpy.frombuffer(data, kind).reshape(extent[5], extent[3], extent[1]), image.get("Origin").split(), names

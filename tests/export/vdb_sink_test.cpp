@@ -65,6 +65,22 @@ VdbDescription describe(const fs::path& file, const Grid& grid, const std::strin
   return description;
 }
 
+TEST(VdbSink, PyopenvdbReadsHowTheAssemblyWasTurned) {
+  const TemporaryFolder folder;
+  BuildInfo info = make_build(small_grid(), {"steel", "rubber"});
+  const auto layers = random_layers(info);
+  feed(*make_vdb_sink(folder / "plain.vdb"), info, layers);
+  EXPECT_EQ(describe(folder / "plain.vdb", info.plan.grid, "").items.count("rotation material"), 0U);
+  info.turn = Eigen::AngleAxisd(0.7, Vec3(1.0, 2.0, 3.0).normalized()).toRotationMatrix();
+  feed(*make_vdb_sink(folder / "turned.vdb"), info, layers);
+  std::istringstream rows(describe(folder / "turned.vdb", info.plan.grid, "").items["rotation material"]);
+  for (int i = 0; i < 9; ++i) {
+    double value = 0.0;
+    ASSERT_TRUE(rows >> value) << i;
+    EXPECT_EQ(value, (*info.turn)(i / 3, i % 3)) << i;
+  }
+}
+
 TEST(VdbSink, PyopenvdbReadsEveryVoxelAsTheSegmentAtItsCentre) {
   const TemporaryFolder folder;
   const BuildInfo info = make_build(small_grid(), {"steel", "rubber", "clear glass"});

@@ -83,6 +83,19 @@ TEST(VectorSinks, NamesThatNeedEscapingGiveReadableFiles) {
   EXPECT_THAT(names, Each(HasSubstr(".slc")));
 }
 
+TEST(VectorSinks, LinesOfVtkSayHowTheAssemblyWasTurned) {
+  const TemporaryFolder folder;
+  Sample sample;
+  feed(*make_vtp_sink(folder / "plain"), sample.info, sample.layers);
+  EXPECT_THAT(bytes_of(folder / "plain/layer_000001.vtp"), ::testing::Not(HasSubstr("rotation")));
+  sample.info.turn = Mat3{{0.0, 0.0, 1.0}, {0.6, 0.8, 0.0}, {-0.8, 0.6, 0.0}};
+  feed(*make_vtp_sink(folder / "turned"), sample.info, sample.layers);
+  const std::string path = "//FieldData/DataArray[@Name=\\\"rotation\\\"][@NumberOfComponents=9]/text()";
+  const CommandResult found =
+      run_command("xmllint --xpath \"" + path + "\" " + quoted(folder / "turned/layer_000001.vtp"));
+  EXPECT_THAT(found.output, HasSubstr("0 0 1 0.6 0.8 0 -0.8 0.6 0")) << found.errors;
+}
+
 TEST(VectorSinks, ARunThatEndsEarlyLeavesNoFile) {
   const Sample sample;
   for (const Sink& sink : kSinks) {

@@ -115,6 +115,13 @@ TEST_F(ViewPage, TheSameLayersGiveTheSameBytes) {
   EXPECT_EQ(write(info, 1, layers_of(info)), write(info, 1, layers_of(info)));
 }
 
+TEST_F(ViewPage, HasTheRotationOfABuildThatWasTurned) {
+  BuildInfo info = make_build(grid_of(0.0, 0.1, 8), {"a", "b"});
+  EXPECT_THAT(write(info, 1, layers_of(info)), Not(HasSubstr("\"rotation\"")));
+  info.turn = Mat3{{0.0, 0.0, 1.0}, {0.6, 0.8, 0.0}, {-0.8, 0.6, 0.0}};
+  EXPECT_THAT(write(info, 1, layers_of(info)), HasSubstr("\"rotation\":[[0,0,1],[0.6,0.8,0],[-0.8,0.6,0]]"));
+}
+
 TEST_F(ViewPage, EveryNthLayerOnly) {
   const BuildInfo info = make_build(grid_of(0.0, 0.1, 8), {"a", "b"});
   EXPECT_THAT(write(info, 2, layers_of(info)), HasSubstr("\"planned\":5,\"index\":[0,2,4]"));

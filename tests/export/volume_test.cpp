@@ -29,6 +29,27 @@ TEST(Volumes, EveryVoxelHasTheMaterialOfTheSegmentAtItsCentre) {
   }
 }
 
+TEST(Volumes, OtherProgramsReadHowTheAssemblyWasTurned) {
+  BuildInfo info = make_build(small_grid(), names(2));
+  const auto layers = random_layers(info);
+  const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3(1.0, 2.0, 3.0).normalized()).toRotationMatrix();
+  for (const VolumeFormat& format : kFormats) {
+    SCOPED_TRACE(format.name);
+    const TemporaryFolder folder;
+    info.turn = turn;
+    feed(*format.make(folder / format.file, {}), info, layers);
+    const Reading turned = read_with(python("read_volume.py"), folder / format.file);
+    ASSERT_EQ(turned.labels, expected_labels(info, layers, {0, 1, 2, 3, 4, 5}));
+    info.turn.reset();
+    feed(*format.make(folder / format.file, {}), info, layers);
+    EXPECT_TRUE(read_with(python("read_volume.py"), folder / format.file).numbers("rotation").empty());
+    if (!format.has_names) continue;  // MetaImage has no place for it
+    const std::vector<double> rows = turned.numbers("rotation");
+    ASSERT_EQ(rows.size(), 9U);
+    for (int i = 0; i < 9; ++i) EXPECT_EQ(rows[static_cast<std::size_t>(i)], turn(i / 3, i % 3)) << i;
+  }
+}
+
 TEST(Volumes, ARangeOfLayersIsAVolumeOfItsOwn) {
   const BuildInfo info = make_build(small_grid(), names(2));
   const auto layers = random_layers(info);

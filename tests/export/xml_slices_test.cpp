@@ -35,6 +35,7 @@ BuildInfo small_build() {
   info.materials[MaterialId{1}].density.reset();
   info.solids[SolidId{2}].bounds = {};
   info.policy = OverlapPolicy::average;
+  info.turn = Eigen::AngleAxisd(0.7, Vec3(1.0, 2.0, 3.0).normalized()).toRotationMatrix();
   return info;
 }
 
@@ -105,6 +106,10 @@ void expect_same_info(const BuildInfo& a, const BuildInfo& b) {
     EXPECT_EQ(a.solids[id].bounds.max(), b.solids[id].bounds.max());
   }
   EXPECT_EQ(a.policy, b.policy);
+  ASSERT_EQ(a.turn.has_value(), b.turn.has_value());
+  if (a.turn) {
+    EXPECT_EQ(*a.turn, *b.turn);
+  }
 }
 
 void expect_same_plan(const LayerPlan& a, const LayerPlan& b) {
@@ -264,6 +269,24 @@ TEST_P(XmlSlices, AFullDiskIsAnErrorThatLeavesNothing) {
   ::setrlimit(RLIMIT_FSIZE, &old);
   std::signal(SIGXFSZ, handler);
   EXPECT_TRUE(fs::is_empty(folder_.path()));
+}
+
+TEST(XmlSlices, SayHowTheAssemblyWasTurnedOnlyIfItWasAndRefuseWhatIsNoRotation) {
+  const TemporaryFolder folder;
+  BuildInfo info = small_build();
+  const auto write = [&](const char* name) {
+    feed(*make_xml_sink(folder / name, XmlPayload::text), info, small_layers(info), small_report());
+    return text_of(folder / name);
+  };
+  std::string text = write("turned.xml");
+  EXPECT_THAT(text, HasSubstr("version=\"1.2\""));
+  const std::size_t at = text.find(" rotation=\"") + 11;
+  text.replace(at, text.find(' ', at) - at, "0.5");
+  std::ofstream(folder / "bent.xml", std::ios::binary) << text;
+  CollectingSink sink;
+  EXPECT_THROW(read_xml_slices(folder / "bent.xml", sink), InputError);
+  info.turn.reset();
+  EXPECT_THAT(write("plain.xml"), ::testing::Not(HasSubstr("orientation")));
 }
 
 TEST(XmlSlicesSink, RefusesTargetsThatAreNotPlainFiles) {

@@ -58,6 +58,19 @@ TEST(Machine, LayerHeightsAreWithinTheRangeAndOnTheStep) {
   EXPECT_EQ(layer_height_fault(shipped("multi_nozzle.xml"), 0.1234), "");
 }
 
+TEST(Machine, ToolsHaveTheirOwnLayersWithinTheMachines) {
+  const Machine machine = read_machine(test::source_dir() / "schemas/valid/machine/every_attribute.xml");
+  EXPECT_DOUBLE_EQ(machine.layers_of(ToolId{0}).lo, 0.1);
+  EXPECT_DOUBLE_EQ(machine.layers_of(ToolId{0}).hi, 0.3);
+  EXPECT_DOUBLE_EQ(machine.layers_of(ToolId{1}).lo, 0.15);
+  EXPECT_DOUBLE_EQ(machine.layers_of(ToolId{1}).hi, 0.25);
+  const Machine nozzles = shipped("multi_nozzle.xml");
+  EXPECT_DOUBLE_EQ(nozzles.layers_of(ToolId{0}).lo, 0.1);
+  EXPECT_DOUBLE_EQ(nozzles.layers_of(ToolId{2}).lo, 0.05);
+  EXPECT_TRUE(takes_height({0.1, 0.2}, 0.1 - 4e-7));
+  EXPECT_FALSE(takes_height({0.1, 0.2}, 0.2001));
+}
+
 /// What only the reader sees, and what its message must say.
 struct Slip {
   const char* was;
@@ -95,6 +108,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Slip{"technology=\"extrusion\"", "technology=\"material-jetting\"", "needs a swath"},
                       Slip{"technology=\"extrusion\"", "technology=\"powder-bed\"", "for extrusion"},
                       Slip{"layer_max=\"0.2\"", "layer_max=\"0.05\"", "more than layer_max"},
+                      Slip{"layer_min=\"0.15\"", "layer_min=\"0.3\"", "more than layer_max"},
+                      Slip{"layer_min=\"0.15\" layer_max=\"0.25\"", "layer_min=\"0.4\"", "aren't the machine's"},
                       Slip{"to=\"right\"", "to=\"left\"", "same tool"}, Slip{"P[LA]*", "P[LA*", "can't be used"}));
 
 TEST(Machine, CutOffAnywhereIsAnInputError) {

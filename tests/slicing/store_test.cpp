@@ -181,11 +181,13 @@ TEST(Store, WritesABuildXmlThatItsSchemaAccepts) {
 TEST(Store, RecordsHowTheAssemblyWasTurned) {
   const TemporaryFolder folder;
   const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3(1.0, 2.0, 3.0).normalized()).toRotationMatrix();
-  write_sample(make_sample(), folder / "turned", {.turn = turn});
+  Sample sample = make_sample();
+  sample.info.turn = turn;
+  write_sample(sample, folder / "turned");
   write_sample(make_sample(), folder / "plain");
-  ASSERT_TRUE(StoreReader(folder / "turned").turn().has_value());
-  EXPECT_EQ(*StoreReader(folder / "turned").turn(), turn);
-  EXPECT_FALSE(StoreReader(folder / "plain").turn().has_value());
+  ASSERT_TRUE(StoreReader(folder / "turned").info().turn.has_value());
+  EXPECT_EQ(*StoreReader(folder / "turned").info().turn, turn);
+  EXPECT_FALSE(StoreReader(folder / "plain").info().turn.has_value());
   std::string text = read_file(folder / "turned/build.xml");
   const std::size_t at = text.find(" xx=\"") + 5;
   text.replace(at, text.find('"', at) - at, "0.5");

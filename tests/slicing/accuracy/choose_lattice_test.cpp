@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "model/nearest_point.h"
+#include "slicing/adaptive/adaptive_plan.h"
 #include "slicing/slicer.h"
 #include "tests/support/cut_scene.h"
 #include "tests/support/paths.h"
@@ -49,6 +50,8 @@ LayerPlan plan_of(const Model& model, const LatticeChoice& choice) {
 class Voxels {
  public:
   Voxels(const Model& model, const LayerPlan& plan) : grid_(plan.grid) {
+    borders_.push_back(plan.layers.front().z_bottom);
+    for (const LayerSpan& layer : plan.layers) borders_.push_back(layer.z_top);
     const SpanEngine engine(model.scene, model.solids, {});
     std::vector<LayerRequest> requests;
     RowLattice rows;
@@ -63,7 +66,7 @@ class Voxels {
     }
   }
 
-  [[nodiscard]] double row_volume() const { return length_ * grid_.pitch.y() * grid_.pitch.z(); }
+  [[nodiscard]] double row_volume() const { return section_ * grid_.pitch.y(); }
 
   /// Calls visit(corner) for the corners of all sides between a voxel inside and one outside.
   template <class Visit>
@@ -79,8 +82,9 @@ class Voxels {
   using Index = std::array<std::int64_t, 3>;
 
   void fill_row(std::span<const Span> spans, std::int64_t j, std::int64_t k) {
+    const auto layer = static_cast<std::size_t>(k);
     for (const Span& span : spans) {
-      length_ += span.end - span.begin;
+      section_ += (span.end - span.begin) * (borders_[layer + 1] - borders_[layer]);
       for (std::int64_t i = 0; i < grid_.size[0]; ++i) {
         const double x = grid_.origin.x() + (static_cast<double>(i) + 0.5) * grid_.pitch.x();
         if (span.begin <= x && x < span.end) inside_[number({i, j, k})] = 1;
@@ -107,21 +111,23 @@ class Voxels {
         Vec3 steps(static_cast<double>(next[0]), static_cast<double>(next[1]), static_cast<double>(next[2]));
         if ((corner & 1) != 0) steps[(axis + 1) % 3] += 1.0;
         if ((corner & 2) != 0) steps[(axis + 2) % 3] += 1.0;
-        visit(Vec3(grid_.origin + steps.cwiseProduct(grid_.pitch)));
+        Vec3 at = grid_.origin + steps.cwiseProduct(grid_.pitch);
+        at.z() = borders_[static_cast<std::size_t>(steps.z())];
+        visit(at);
       }
     }
   }
 
   Grid grid_;
-  double length_ = 0.0;
+  std::vector<double> borders_;  // of layers
+  double section_ = 0.0;         // mm^2, of the rows over their layers
   std::vector<char> inside_;
 };
 
-/// Slices at the choice and holds what it guarantees against the exact surface.
-void expect_kept(const Model& model, const LatticeChoice& choice) {
+/// Slices and holds what is guaranteed against the exact surface.
+void expect_kept(const Model& model, const LatticeChoice& choice, const LayerPlan& plan) {
   EXPECT_LE(choice.surface_bound, choice.wanted * (1.0 + 1e-12));
-  EXPECT_LE(choice.offset_bound, choice.wanted * (1.0 + 1e-12));
-  const Voxels voxels(model, plan_of(model, choice));
+  const Voxels voxels(model, plan);
   const SolidMeasure& measure = model.measures[SolidId{0}];
   EXPECT_LE(std::abs(voxels.row_volume() - measure.volume), choice.offset_bound * measure.area);
   const NearestPoint nearest(model.scene, faces_of(model.scene, SolidId{0}));
@@ -130,6 +136,68 @@ void expect_kept(const Model& model, const LatticeChoice& choice) {
       [&](const Vec3& corner) { farthest = std::max(farthest, nearest.find(corner)->distance); });
   EXPECT_LE(farthest, choice.surface_bound + 1e-6);
   EXPECT_GT(farthest, 0.4 * choice.surface_bound);  // the bound is no idle one
+}
+
+void expect_kept(const Model& model, const LatticeChoice& choice) {
+  EXPECT_LE(choice.offset_bound, choice.wanted * (1.0 + 1e-12));
+  expect_kept(model, choice, plan_of(model, choice));
+}
+
+/// The same with adaptive layers.
+void expect_kept_adaptively(const Model& model, double accuracy, std::optional<double> deviation) {
+  const AdaptiveShare share = share_accuracy(accuracy, deviation, nullptr);
+  Box3 bounds;
+  for (const SolidId solid : model.solids) bounds.extend(model.measures[solid].bounds);
+  PlanOptions options;
+  options.pitch = share.pitch;
+  LayerPlan plan = plan_layers(bounds, options);
+  MaterialTable table;
+  table.materials.push_back({"Resin", std::nullopt});
+  for (std::size_t s = 0; s < model.scene.solids.size(); ++s) table.assignments.push_back({MaterialId{0}, 0, "test"});
+  AdaptiveOptions layers;
+  layers.deviation = share.deviation;
+  const AdaptivePlan adaptive =
+      plan_adaptive_layers(model.scene, table, model.measures, model.solids, plan.grid.origin.z(), layers);
+  set_layers(plan, adaptive.layers);
+  double thickest = 0.0;
+  for (const LayerSpan& layer : plan.layers) thickest = std::max(thickest, layer.z_top - layer.z_bottom);
+  expect_kept(model,
+              adaptive_guarantee(model.scene, model.measures, model.solids, accuracy, share.pitch, thickest,
+                                 adaptive.largest_deviation),
+              plan);
+}
+
+TEST(ChooseLattice, SharesAnAccuracyWithAdaptiveLayers) {
+  expect_kept_adaptively(model_of(test::scene_of(test::add_sphere, 2.0)), 0.15, std::nullopt);
+  expect_kept_adaptively(model_of(test::scene_of(test::add_torus, 2.0, 0.7)), 0.11, 0.03);
+}
+
+TEST(ChooseLattice, GivesAdaptiveLayersHalfOfTheAccuracyOrWhatTheMachineLeaves) {
+  const AdaptiveShare half = share_accuracy(0.05, std::nullopt, nullptr);
+  EXPECT_DOUBLE_EQ(half.deviation, 0.025);
+  EXPECT_DOUBLE_EQ(half.pitch.x(), 0.035);  // 0.025 times the root of 2, down
+  EXPECT_DOUBLE_EQ(share_accuracy(0.05, 0.04, nullptr).pitch.y(), 0.014);
+  const Machine machine = jetting();  // half the diagonal of its pixel is 0.04733
+  const AdaptiveShare rest = share_accuracy(0.06, std::nullopt, &machine);
+  EXPECT_EQ(rest.pitch, machine.pitch);
+  EXPECT_DOUBLE_EQ(rest.deviation, 0.012);
+  EXPECT_DOUBLE_EQ(share_accuracy(0.06, 0.01, &machine).deviation, 0.01);
+}
+
+TEST(ChooseLattice, SaysWhenAnAccuracyLeavesNothingToPitchOrLayers) {
+  const Machine machine = jetting();
+  const auto hint = [&](double accuracy, std::optional<double> deviation, const Machine* on) -> std::string {
+    try {
+      (void)share_accuracy(accuracy, deviation, on);
+      return "";
+    } catch (const UsageError& error) {
+      return std::string(error.what()) + " | " + error.where() + " | " + error.hint();
+    }
+  };
+  EXPECT_THAT(hint(0.05, 0.05, nullptr), HasSubstr("| --adaptive | give less than --accuracy"));
+  EXPECT_THAT(hint(0.04, std::nullopt, &machine), HasSubstr("| --accuracy | its pitch alone takes 0.047331 mm"));
+  EXPECT_THAT(hint(0.06, 0.02, &machine), HasSubstr("| --adaptive | with its pitch they reach 0.067331 mm"));
+  EXPECT_THAT(hint(0.0, std::nullopt, nullptr), HasSubstr("positive"));
 }
 
 TEST(ChooseLattice, KeepsVoxelsOfABallAsCloseAsAsked) {

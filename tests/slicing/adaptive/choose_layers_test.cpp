@@ -33,7 +33,10 @@ void try_all(const LayerProblem& problem, std::size_t border, Cost cost, std::op
     if (deviation == LayerProblem::kRefused) continue;
     Cost next = cost;
     for (std::size_t i = border + 1; i < border + problem.thicknesses[t]; ++i) {
-      if (i <= problem.height) std::get<0>(next) += problem.missing[i];
+      if (i > problem.height) continue;
+      std::get<0>(next) += problem.missing[i];
+      const bool both = i + 1 < border + problem.thicknesses[t];
+      if (both && !problem.missing_both.empty()) std::get<0>(next) += problem.missing_both[i];
     }
     ++std::get<1>(next);
     std::get<2>(next) += deviation * static_cast<double>(problem.thicknesses[t]);
@@ -52,6 +55,10 @@ LayerProblem random_problem(std::mt19937& random) {
     return whole(0, 3) == 0 ? LayerProblem::kRefused : 0.125 * whole(0, 8);
   });
   for (std::uint64_t& cost : problem.missing) cost = static_cast<std::uint64_t>(whole(0, 3) == 0 ? whole(1, 3) : 0);
+  if (whole(0, 1) == 0) return problem;
+  for (std::size_t i = 0; i <= problem.height; ++i) {
+    problem.missing_both.push_back(static_cast<std::uint64_t>(whole(0, 2) == 0 ? whole(1, 3) : 0));
+  }
   return problem;
 }
 
@@ -116,6 +123,21 @@ TEST(ChooseLayers, MeetsABorderThatCostsRatherThanSavingALayer) {
   EXPECT_EQ(best.missed, 0U);
   EXPECT_EQ(best.layers(), 3U);
   EXPECT_EQ(best.borders[1], 3U);
+}
+
+TEST(ChooseLayers, MeetsEitherOfTwoBordersThatCostTogether) {
+  LayerProblem problem = problem_of(8, {3, 4, 5}, [](std::size_t, std::size_t) { return 0.0; });
+  problem.missing_both.assign(9, 0);
+  problem.missing_both[3] = 5;
+  const LayerChoice two = *choose_best(problem).choice;
+  EXPECT_EQ(two.layers(), 2U);
+  EXPECT_EQ(two.missed, 0U);
+  problem.missing_both[3] = 0;
+  problem.missing_both[1] = 5;  // neither 1 nor 2 can be reached
+  EXPECT_EQ(choose_best(problem).choice->missed, 5U);
+  problem.missing_both[1] = 0;
+  problem.missing_both[8] = 5;  // the top: 8 or 9
+  EXPECT_EQ(choose_best(problem).choice->missed, 0U);
 }
 
 TEST(ChooseLayers, TakesTheLeastDeviationOfTheFewestLayers) {

@@ -230,9 +230,26 @@ TEST(AdaptivePlan, EndsLayersAtFlatFaces) {
   EXPECT_EQ(plan.missed, 0U);
   ASSERT_EQ(plan.features.size(), 3U);
   for (const MetFeature& met : plan.features) EXPECT_LE(std::abs(met.offset), 0.01 + 1e-9) << met.feature.z;
-  EXPECT_NEAR(plan.features[1].offset, 0.01, 1e-9);
-  // 1.04 by three layers, 1.48 by three of at most 0.5.
+  EXPECT_NEAR(std::abs(plan.features[1].offset), 0.01, 1e-9);  // in the middle between two borders
+  // 1.02 or 1.04 by three layers, the rest by three of at most 0.5.
   EXPECT_EQ(plan.layers.size(), 6U);
+}
+
+// Layers of 0.3 to 0.5 mm in steps of 0.1: a face at 0.95 is as near to 0.9 as to 1.0, and two layers reach both.
+TEST(AdaptivePlan, SpendsNoLayerOnAFaceInTheMiddleBetweenTwoBorders) {
+  const auto layers_for = [](double first, double second) {
+    Scene scene;
+    add_box(scene, Vec3(0, 0, 0), Vec3(9, 9, first));
+    add_box(scene, Vec3(20, 0, 0), Vec3(29, 9, second));
+    const AdaptivePlan plan = plan_of(scene, table_for(scene), options_of(0.1, 0.3, 0.5, 0.1));
+    EXPECT_EQ(plan.missed, 0U);
+    EXPECT_LE(plan.largest_deviation, 0.1 + 1e-9);
+    return plan.layers.size();
+  };
+  EXPECT_EQ(layers_for(0.95, 1.9), layers_for(1.0, 1.9));
+  EXPECT_EQ(layers_for(0.45, 1.4), 3U);   // 0.4 or 0.5, then 1.0 or 0.9 by two
+  EXPECT_EQ(layers_for(1.05, 2.0), 4U);   // by way of 1.0, not of 1.1
+  EXPECT_EQ(layers_for(0.55, 1.05), 2U);  // the top too, and by way of 0.5 rather than 0.6
 }
 
 TEST(AdaptivePlan, SaysWhichFlatFacesItMisses) {

@@ -108,6 +108,56 @@ TEST(BuildPlan, ReloadsATool) {
   EXPECT_GE(plan.materials[2].purge, 7.0);
 }
 
+TEST(BuildPlan, UsesToolsThatLayTheLayersOfAMaterial) {
+  Machine machine = plain_machine();
+  machine.tools[ToolId{0}].layer_max = 0.15;
+  const BuildPlan thick = Blocks({"##"}, {"a"}, 0.2).plan(machine);
+  EXPECT_EQ(thick.materials[0].tools, std::vector<ToolId>{ToolId{1}});
+  EXPECT_EQ(Blocks({"##"}, {"a"}, 0.15).plan(machine).materials[0].tools, std::vector<ToolId>{ToolId{0}});
+  const auto refusal = [&](const Blocks& blocks) -> std::string {
+    try {
+      (void)blocks.plan(machine);
+      return "";
+    } catch (const InputError& error) {
+      EXPECT_NE(error.hint(), "");
+      return error.what();
+    }
+  };
+  EXPECT_THAT(refusal(Blocks({"#", "#"}, {"a", "b"}, 0.2)), HasSubstr("layer 0 needs 2 materials at once (a, b)"));
+  machine.tools[ToolId{1}].layer_min = 0.25;
+  EXPECT_THAT(refusal(Blocks({"#"}, {"a"}, 0.2)),
+              HasSubstr("layer 0 of 0.2 mm has the material 'a', which no tool lays so: 'left' lays 0.1 to 0.15 mm, "
+                        "'right' lays 0.25 to 0.3 mm"));
+}
+
+/// The blocks' layers with thicknesses of their own.
+BuildPlan plan_of_thicknesses(Blocks blocks, const std::vector<double>& thicknesses, const Machine& machine) {
+  double z = 0.0;
+  for (std::size_t k = 0; k < thicknesses.size(); ++k) {
+    const LayerSpan span{z, z + 0.5 * thicknesses[k], z + thicknesses[k]};
+    blocks.info.plan.layers[k] = span;
+    blocks.layers[k].z_bottom = span.z_bottom;
+    blocks.layers[k].z_sample = span.z_sample;
+    blocks.layers[k].z_top = span.z_top;
+    z = span.z_top;
+  }
+  return blocks.plan(machine);
+}
+
+TEST(BuildPlan, LaysThinAndThickLayersOfAMaterialWithTwoToolsIfItMust) {
+  Machine machine = plain_machine();
+  machine.tools[ToolId{0}].layer_max = 0.15;
+  machine.tools[ToolId{1}].layer_min = 0.15;
+  const BuildPlan two = plan_of_thicknesses(Blocks({"###"}, {"a"}), {0.3, 0.1, 0.3}, machine);
+  EXPECT_EQ(two.materials[0].tools, (std::vector<ToolId>{ToolId{1}, ToolId{0}}));
+  EXPECT_EQ(two.reloads, 0U);
+  EXPECT_EQ(two.tool_changes, 2U);
+  // One that both lay doesn't change a thing; one tool that lays all is enough.
+  const BuildPlan one = plan_of_thicknesses(Blocks({"##"}, {"a"}), {0.15, 0.3}, machine);
+  EXPECT_EQ(one.materials[0].tools, std::vector<ToolId>{ToolId{1}});
+  EXPECT_EQ(one.tool_changes, 0U);
+}
+
 TEST(BuildPlan, RefusesWhatTheMachineCannotDo) {
   const auto message = [](const Blocks& blocks, const Machine& machine) -> std::string {
     try {

@@ -16,7 +16,7 @@ std::string written(const BuildPlan& plan) {
   return stream.str();
 }
 
-TEST(PlanXml, SchemaAndReaderJudgeTheSamplesAlike) { test::expect_samples_to_be_judged("plan", 2, 25, read_plan_xml); }
+TEST(PlanXml, SchemaAndReaderJudgeTheSamplesAlike) { test::expect_samples_to_be_judged("plan", 3, 27, read_plan_xml); }
 
 TEST(PlanXml, ReadsBackAsItWasWritten) {
   const BuildPlan plan = read_plan_xml(test::source_dir() / "schemas/valid/plan/two_tools.xml");
@@ -28,6 +28,22 @@ TEST(PlanXml, ReadsBackAsItWasWritten) {
   std::ofstream(folder / "again.xml") << written(plan);
   EXPECT_TRUE(test::schema_accepts("plan", folder / "again.xml"));
   EXPECT_EQ(written(read_plan_xml(folder / "again.xml")), written(plan));
+}
+
+TEST(PlanXml, SaysHowTheAssemblyWasTurned) {
+  BuildPlan plan = read_plan_xml(test::source_dir() / "schemas/valid/plan/two_tools.xml");
+  EXPECT_FALSE(plan.turn.has_value());
+  EXPECT_EQ(written(plan).find("orientation"), std::string::npos);
+  plan.turn = Eigen::AngleAxisd(0.7, Vec3(1.0, 2.0, 3.0).normalized()).toRotationMatrix();
+  const test::TemporaryFolder folder;
+  std::ofstream(folder / "turned.xml") << written(plan);
+  EXPECT_TRUE(test::schema_accepts("plan", folder / "turned.xml"));
+  const BuildPlan again = read_plan_xml(folder / "turned.xml");
+  ASSERT_TRUE(again.turn.has_value());
+  EXPECT_EQ(*again.turn, *plan.turn);
+  plan.turn = Mat3(0.5 * *plan.turn);
+  std::ofstream(folder / "shrunk.xml") << written(plan);
+  EXPECT_THROW((void)read_plan_xml(folder / "shrunk.xml"), InputError);
 }
 
 TEST(PlanXml, CutOffAnywhereIsAnInputError) {
