@@ -17,6 +17,7 @@ inline constexpr std::string_view kPlainVersion = "1";
 inline constexpr std::string_view kGradedVersion = "1.1";
 inline constexpr std::string_view kContourVersion = "1.2";  ///< with contours, graded or not
 inline constexpr std::string_view kTurnedVersion = "1.3";   ///< turned before it was sliced
+inline constexpr std::string_view kCurvesVersion = "1.4";   ///< with the curves of contours, turned or not
 
 /// Attributes of <orientation>, row by row.
 inline constexpr std::array<const char*, 9> kTurnNames{"xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz"};
