@@ -148,6 +148,41 @@ TEST(Contours, AreRefusedWhereTheEngineCanMakeNone) {
   }
 }
 
+TEST(Contours, OpenSolidsHaveNoneAndAreNamedWhereTheyAreSliced) {
+  Tray tray(true);
+  Tray closed(true);
+  const SolidId open{3};  // a ball in a box
+  tray.scene.solids[open].info.status = SolidStatus::open;
+  tray.scene.solids[open].info.closed = false;
+  SliceOptions options;
+  options.allow_open = true;
+  test::CollectingSink sink;
+  const SliceReport report = slice(tray.scene, tray.table, tray.measures, tray.plan(), options, sink);
+  test::CollectingSink all;
+  closed.slice_into(all);
+  std::size_t rows = 0;
+  std::size_t others = 0;
+  for (std::size_t k = 0; k < sink.layers.size(); ++k) {
+    for (const Segment& segment : sink.layers[k].raster.segments) rows += segment.solid == open ? 1 : 0;
+    std::size_t left = 0;
+    for (const ContourLoop& loop : all.layers[k].contours->loops) left += loop.solid == open ? 0 : 1;
+    ASSERT_EQ(sink.layers[k].contours->loops.size(), left) << k;
+    for (const ContourLoop& loop : sink.layers[k].contours->loops) EXPECT_NE(loop.solid, open);
+    others += left;
+  }
+  EXPECT_GT(rows, 50U);
+  EXPECT_GT(others, sink.layers.size());
+  EXPECT_FALSE(report.within_budget());
+  std::size_t named = 0;
+  for (const Finding& finding : report.findings) {
+    if (finding.what.find("no contours") == std::string::npos) continue;
+    EXPECT_EQ(finding.solid, "/s3");
+    EXPECT_THAT(finding.what, HasSubstr("more"));
+    ++named;
+  }
+  EXPECT_EQ(named, 1U);
+}
+
 LayerContours sample_contours() {
   LayerContours contours;
   contours.add({SolidId{0}, -1, 16.0}, std::vector<Vec2>{{0, 0}, {4, 0}, {4, 4}, {0, 4}});
