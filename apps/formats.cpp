@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "apps/options.h"
 #include "core/error.h"
@@ -182,11 +181,7 @@ FormatOptions read_format_options(const CLI::App& verb) {
     options.grey_bits = *bits == "16" ? 16 : 8;
   }
   if (const auto rows = given(verb, "--coverage-rows")) {
-    const double count = parse_positive("--coverage-rows", *rows);
-    if (count != std::floor(count) || count > 64.0) {
-      throw UsageError("'" + *rows + "' lines", "--coverage-rows", "give a whole number from 1 to 64");
-    }
-    options.coverage_rows = static_cast<int>(count);
+    options.coverage_rows = static_cast<int>(parse_whole("--coverage-rows", *rows, 1, 64));
   }
   if (const auto display = given(verb, "--sl1-display")) options.sl1_display = read_display(*display);
   options.step_hatches = verb.count("--step-hatches") > 0;
