@@ -239,6 +239,17 @@ void CurveFollower::join(Run& a, Run& b) const {
   begin = t;
 }
 
+namespace {
+
+/// Whether a stretch is no longer than what joins; readers drop such curves or stumble over them.
+bool is_speck(const CurveStretch& stretch) {
+  const Vec2 first = stretch.first();
+  const Vec2 middle = stretch.carrier.at(0.5 * (stretch.begin + stretch.end));
+  return (middle - first).norm() <= kJoined && (stretch.last() - first).norm() <= kJoined;
+}
+
+}  // namespace
+
 std::vector<CurveStretch> CurveFollower::follow(const MaterialLoop& loop) const {
   const std::size_t size = loop.points.size();
   std::vector<Source> sources;
@@ -259,6 +270,7 @@ std::vector<CurveStretch> CurveFollower::follow(const MaterialLoop& loop) const 
   if (runs.size() > 1) {
     for (std::size_t i = 0; i < runs.size(); ++i) join(runs[i], runs[(i + 1) % runs.size()]);
   }
+  std::erase_if(runs, [](const Run& run) { return is_speck(run.stretch); });
   std::vector<CurveStretch> stretches;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     stretches.push_back(runs[i].stretch);

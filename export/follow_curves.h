@@ -37,7 +37,7 @@ struct CurveStretch {
 /// Puts the curves of solids' sections in place of the sides of material loops of the same layer. Where a loop changes
 /// from one solid's curve to another's, both end where they cross, not where their chords do. Sides that are on no
 /// solid's loop, as the overlap policies entry, exit and average make them, stay straight. What joins nowhere to 1e-6
-/// mm is joined by a line.
+/// mm is joined by a line; stretches of no more length are left out.
 class CurveFollower {
  public:
   /// `contours` must outlive it. `chord_error` is how far its polygons may be from the curves, mm.
