@@ -24,7 +24,7 @@ class File:
         return [n for n, text in self.entities.items() if text.startswith(keyword + "(")]
 
     def references(self, number):
-        return re.findall(r"#(\d+)", self.entities[number])
+        return re.findall(r"#(\d+)", re.sub(r"'(?:[^']|'')*'", "", self.entities[number]))
 
     def numbers(self, number):
         text = re.sub(r"#\d+|'(?:[^']|'')*'", "", self.entities[number])
