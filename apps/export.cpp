@@ -42,6 +42,10 @@ ExportOptions read_options(const CLI::App& verb, const std::string& build) {
   options.build = build;
   options.output = {*given(verb, "--to"), *given(verb, "--output")};
   check_format(options.output.format);
+  if (given(verb, "--coverage-rows")) {
+    throw UsageError("a build keeps no lines but those in the middle of pixels", "--coverage-rows",
+                     "slice with --png-coverage");
+  }
   options.format = read_format_options(verb);
   check_format_options(options.format, {options.output});
   if (const auto layers = given(verb, "--layers")) options.layers = parse_layers(*layers);

@@ -13,7 +13,6 @@
 #include "export/nrrd_file.h"
 #include "export/png_stack.h"
 #include "export/polyjet_stack.h"
-#include "export/sl1_archives.h"
 #include "export/slc_sink.h"
 #include "export/step_sink.h"
 #include "export/svg_sink.h"
@@ -55,7 +54,7 @@ constexpr std::array kFormats{
            }},
     Format{"sl1", "one archive of masks per material, for SLA printers", true, true,
            [](const Path& path, const FormatOptions& options) {
-             return make_sl1_sink(path, {.z_pitch = options.z_pitch});
+             return make_sl1_sink(path, {.z_pitch = options.z_pitch, .display = options.sl1_display});
            }},
     Format{"vdb", "OpenVDB grids", false, true,
            [](const Path& path, const FormatOptions& options) {
@@ -87,7 +86,10 @@ constexpr std::array kFormats{
     Format{"vtp", "VTK lines of segments and contours, one file per layer", true, false,
            [](const Path& path, const FormatOptions&) { return make_vtp_sink(path); }, Contours::used},
     Format{"step", "STEP wireframe of contours by layer and material", false, false,
-           [](const Path& path, const FormatOptions&) { return make_step_sink(path); }, Contours::needed},
+           [](const Path& path, const FormatOptions& options) {
+             return make_step_sink(path, {.hatches = options.step_hatches});
+           },
+           Contours::needed},
     Format{"gcode", "multi-tool raster G-code", false, false,
            [](const Path& path, const FormatOptions& options) {
              return make_gcode_sink(path, {read_plan_xml(*options.plan), read_machine(*options.machine)});
@@ -119,6 +121,9 @@ void add_format_options(CLI::App& verb) {
   add_value(verb, "--plan", "the build's plan, for G-code", "plan.xml");
   add_switch(verb, "--dither", "graded materials as voxels of what they are mixed of, where voxels have one material");
   add_value(verb, "--grey-bits", "bits a pixel of png-grey and png-coverage: 8 (the default) or 16", "N");
+  add_value(verb, "--coverage-rows", "lines across a row of pixels that png-coverage is the mean of (default: 4)", "N");
+  add_value(verb, "--sl1-display", "of portrait, mirror-x and mirror-y what the printer's display needs", "LIST");
+  add_switch(verb, "--step-hatches", "hatch rows in the STEP file too");
   add_value(verb, "--z-pitch", "thickness of slices where a format has but one: the nearest layer", "MM");
   add_switch(verb, "--raw", "tiff, vti, nrrd and mhd without compression");
 }
@@ -140,6 +145,23 @@ void choose_grids(const std::string& list, VdbOptions& vdb) {
   }
 }
 
+/// Names with commas between.
+Sl1Display read_display(const std::string& list) {
+  Sl1Display display;
+  for (const std::string& name : CLI::detail::split(list, ',')) {
+    bool* const choice = name == "portrait"   ? &display.is_portrait
+                         : name == "mirror-x" ? &display.mirror_x
+                         : name == "mirror-y" ? &display.mirror_y
+                                              : nullptr;
+    if (choice == nullptr) {
+      throw UsageError("'" + name + "' is no way to lay a picture", "--sl1-display",
+                       "give any of portrait,mirror-x,mirror-y");
+    }
+    *choice = true;
+  }
+  return display;
+}
+
 }  // namespace
 
 FormatOptions read_format_options(const CLI::App& verb) {
@@ -158,6 +180,11 @@ FormatOptions read_format_options(const CLI::App& verb) {
     if (*bits != "8" && *bits != "16") throw UsageError("'" + *bits + "' bits", "--grey-bits", "give 8 or 16");
     options.grey_bits = *bits == "16" ? 16 : 8;
   }
+  if (const auto rows = given(verb, "--coverage-rows")) {
+    options.coverage_rows = static_cast<int>(parse_whole("--coverage-rows", *rows, 1, 64));
+  }
+  if (const auto display = given(verb, "--sl1-display")) options.sl1_display = read_display(*display);
+  options.step_hatches = verb.count("--step-hatches") > 0;
   options.raw = verb.count("--raw") > 0;
   if (const auto pitch = given(verb, "--z-pitch")) options.z_pitch = parse_positive("--z-pitch", *pitch);
   options.plan = given(verb, "--plan");

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "export/sl1_archives.h"
 #include "export/vdb/vdb_sink.h"
 #include "slicing/layer_sink.h"
 
@@ -20,10 +21,13 @@ struct FormatOptions {
   std::optional<std::string> plan;     ///< plan.xml, for G-code
   std::optional<std::string> machine;  ///< machine.xml, for G-code
   bool dither = false;                 ///< graded materials dithered where voxels have one material
+  Sl1Display sl1_display{};            ///< how sl1's pictures lie
   std::optional<double> z_pitch;       ///< mm, slices of formats with one thickness
   bool is_sample = false;              ///< of a few layers, to estimate from
   bool raw = false;                    ///< volumes of labels not compressed
   int grey_bits = 8;                   ///< of png-grey and png-coverage
+  int coverage_rows = 4;               ///< of png-coverage: lines across a row of pixels, when slicing
+  bool step_hatches = false;           ///< hatch rows in the STEP file too
 };
 
 /// One output of a run.

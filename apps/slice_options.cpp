@@ -1,5 +1,7 @@
 #include "apps/slice_options.h"
 
+#include <algorithm>
+
 #include "apps/adaptive_options.h"
 #include "apps/engine_options.h"
 #include "apps/job.h"
@@ -86,6 +88,12 @@ std::optional<double> read_contours(const CLI::App& verb, const SliceRequest& re
     }
     return parse_positive("--contours", chord->empty() || *chord == "true" ? kChordError : *chord);
   }
+  if (verb.count("--curves") > 0) {
+    if (request.slice.engine != EngineKind::span) {
+      throw UsageError("only the span engine makes contours", "--curves", "leave out --engine reference");
+    }
+    return parse_positive("--contours", kChordError);
+  }
   for (const Output& output : request.outputs) {
     const Format* format = find_format(output.format);
     if (format == nullptr || format->contours == Contours::none) continue;
@@ -96,6 +104,19 @@ std::optional<double> read_contours(const CLI::App& verb, const SliceRequest& re
     if (format->contours == Contours::needed || can_have) return parse_positive("--contours", kChordError);
   }
   return std::nullopt;
+}
+
+/// Lines across a row of pixels besides the row's own, if an output is a mean of them.
+std::int64_t read_sub_rows(const CLI::App& verb, const SliceRequest& request) {
+  const bool is_used = std::any_of(request.outputs.begin(), request.outputs.end(),
+                                   [](const Output& output) { return output.format == "png-coverage"; });
+  if (!is_used) {
+    if (given(verb, "--coverage-rows")) {
+      throw UsageError("only png-coverage has lines across a row", "--coverage-rows", "leave it out");
+    }
+    return 0;
+  }
+  return request.format.coverage_rows == 1 ? 0 : request.format.coverage_rows;
 }
 
 }  // namespace
@@ -116,6 +137,7 @@ void add_slice_options(CLI::App& verb) {
   add_value(verb, "--rotate-per-layer", "further angle of each layer's hatch rows, degree", "DEG");
   add_value(verb, "--contours", "also contours, this far from the exact sections (without a number: 0.01)", "[MM]")
       ->expected(0, 1);
+  add_switch(verb, "--curves", "contours keep the curves that they are chords of, for --step");
   add_value(verb, "--materials", "materials and their rules (default: what the STEP file says)", "M.xml");
   add_value(verb, "--machine", "take pitch and layer height from a machine, where they aren't given", "X.xml");
   add_value(verb, "--orient", "turn the assembly first: height, or weights as lamella orient takes them", "SPEC");
@@ -207,6 +229,8 @@ SliceRequest read_slice_request(CLI::App& verb, const std::vector<std::string>& 
     request.slice.gap_tolerance = parse_positive("--gap-tolerance", *gap);
   request.slice.allow_open = verb.count("--allow-open") > 0;
   request.plan.chord_error = read_contours(verb, request);
+  request.plan.curves = verb.count("--curves") > 0;
+  request.plan.sub_rows = read_sub_rows(verb, request);
   request.dry_run = verb.count("--dry-run") > 0;
   return request;
 }

@@ -17,7 +17,7 @@ struct ViewOptions {
   std::string build;
   std::filesystem::path page;
   LayerRange layers;
-  std::uint32_t every = 1;
+  ViewPageOptions page_options;
 };
 
 /// Says at once what the page would say after a long time. Exact for whole builds only: of a range of layers nobody
@@ -25,7 +25,7 @@ struct ViewOptions {
 void refuse_what_is_too_large(const StoreReader& reader, const ViewOptions& options) {
   const LayerPlan& plan = reader.info().plan;
   const bool is_whole = options.layers.first == 0 && options.layers.last >= plan.layers.size();
-  if (!is_whole || options.every > 1) return;
+  if (!is_whole || options.page_options.every > 1) return;
   const double segments = static_cast<double>(reader.report().segments) / kMostViewSegments;
   const double rows = static_cast<double>(reader.report().rows) / kMostViewRows;
   const double share = std::max(segments, rows);
@@ -41,13 +41,13 @@ ExitCode run(const Session& session, const ViewOptions& options) {
   const StoreReader reader(options.build);
   const LayerRange range = clip(options.layers, reader.info().plan.layers.size());
   refuse_what_is_too_large(reader, options);
-  const auto sink = make_view_sink(options.page, options.every);
+  const auto sink = make_view_sink(options.page, options.page_options);
   reader.replay(*sink, range, session.progress());
 
   const std::vector<WrittenFile> files = list_files(options.page);
   if (session.json()) session.print(files_json("html", files));
   session.print(fmt::format("html: {} layers, {} in {}\n",
-                            (range.last - range.first + options.every - 1) / options.every,
+                            (range.last - range.first + options.page_options.every - 1) / options.page_options.every,
                             short_bytes(total_bytes(files)), options.page.string()));
   if (!reader.report().within_budget()) session.warn(reader.report().findings);
   return reader.report().within_budget() ? ExitCode::ok : ExitCode::budget;
@@ -60,8 +60,9 @@ ViewOptions read_options(const CLI::App& verb, const std::string& build) {
   options.page = *given(verb, "--output");
   if (const auto layers = given(verb, "--layers")) options.layers = parse_layers(*layers);
   if (const auto every = given(verb, "--every")) {
-    options.every = static_cast<std::uint32_t>(parse_whole("--every", *every, 1, kMostEvery));
+    options.page_options.every = static_cast<std::uint32_t>(parse_whole("--every", *every, 1, kMostEvery));
   }
+  options.page_options.hatches = verb.count("--hatches") > 0;
   return options;
 }
 
@@ -74,6 +75,7 @@ void add_view(CLI::App& program, CommonOptions& common, Action& action) {
   add_value(*verb, "-o,--output", "the page to write; it needs no other file and no network", "view.html")->required();
   add_value(*verb, "--layers", "only layers A to B - 1, from 0; either may be missing", "A:B");
   add_value(*verb, "--every", "only every Nth layer, for builds that are too large for a browser", "N");
+  add_switch(*verb, "--hatches", "also the hatch rows, to be shown as lines");
   add_common(*verb, common);
   verb->footer(
       "Examples:\n"

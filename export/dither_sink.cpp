@@ -56,7 +56,7 @@ class DitherSink final : public LayerSink {
     MixedRowReader reader(info_);
     std::vector<std::uint8_t> chosen;
     for (std::size_t row = 0; row < layer.raster.rows(); ++row) {
-      reader.read(layer, row, [&](const MixedRun& run) {
+      reader.read(layer.raster, row, [&](const MixedRun& run) {
         chosen.assign(static_cast<std::size_t>(run.pixels.end - run.pixels.begin), 0);
         if (run.materials.size() > 1) {
           const VoxelIndex first{run.pixels.begin, static_cast<std::int64_t>(row), layer.index};

@@ -58,15 +58,28 @@ class GreyPngSink final : public LayerSink {
     std::vector<double> shares(static_cast<std::size_t>(image.width()));
     for (std::size_t row = 0; row < layer.raster.rows(); ++row) {
       PixelRun used{image.width(), 0};
-      reader.read(layer, row, [&](const MixedRun& run) {
-        for (std::size_t c = 0; c < run.materials.size(); ++c) {
-          if (plain_.ids[run.materials[c].value()] == material) add(run, c, shares, used);
-        }
-      });
+      const auto [rows, lines] = lines_of(layer);
+      for (std::size_t line = row * lines; line < (row + 1) * lines; ++line) {
+        reader.read(*rows, line, [&](const MixedRun& run) {
+          for (std::size_t c = 0; c < run.materials.size(); ++c) {
+            if (plain_.ids[run.materials[c].value()] == material) add(run, c, shares, used);
+          }
+        });
+      }
       is_blank = is_blank && used.begin >= used.end;
-      paint(image.height() - 1 - static_cast<std::int64_t>(row), used, shares, image);
+      paint(image.height() - 1 - static_cast<std::int64_t>(row), {used, lines}, shares, image);
     }
     return is_blank ? blank_ : encode_png(image, style_);
+  }
+
+  /// The lines that pixels are averaged over, and how many a row of pixels has of them.
+  struct Lines {
+    const SegmentRows* rows;
+    std::size_t per_row;
+  };
+  [[nodiscard]] Lines lines_of(const Layer& layer) const {
+    if (choice_ == PixelChoice::centre || !layer.sub_rows) return {&layer.raster, 1};
+    return {&layer.sub_rows->rows, static_cast<std::size_t>(layer.sub_rows->per_row)};
   }
 
   /// Adds what one component of a run has of its pixels to their shares.
@@ -91,9 +104,14 @@ class GreyPngSink final : public LayerSink {
   }
 
   /// Paints the pixels of a row and clears their shares.
-  void paint(std::int64_t row, const PixelRun& used, std::vector<double>& shares, PackedImage& image) const {
-    for (std::int64_t pixel = used.begin; pixel < used.end; ++pixel) {
-      const double share = std::min(std::exchange(shares[static_cast<std::size_t>(pixel)], 0.0), 1.0);
+  struct Used {
+    PixelRun pixels;
+    std::size_t lines;  ///< whose shares are added up
+  };
+  void paint(std::int64_t row, const Used& used, std::vector<double>& shares, PackedImage& image) const {
+    for (std::int64_t pixel = used.pixels.begin; pixel < used.pixels.end; ++pixel) {
+      const double sum = std::exchange(shares[static_cast<std::size_t>(pixel)], 0.0);
+      const double share = std::min(sum / static_cast<double>(used.lines), 1.0);
       image.set(row, pixel, static_cast<unsigned>(std::lround(share * white_)));
     }
   }

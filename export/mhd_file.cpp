@@ -1,5 +1,6 @@
 #include "export/mhd_file.h"
 
+#include <algorithm>
 #include <fmt/format.h>
 #include <fstream>
 #include <libdeflate.h>
@@ -8,6 +9,7 @@
 
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "core/utf8.h"
 #include "core/xml.h"
 #include "export/byte_order.h"
 #include "export/deflate_writer.h"
@@ -18,6 +20,31 @@ namespace lamella {
 namespace {
 
 constexpr std::string_view kFirstLine = "ObjectType = Image";
+
+/// Readers of MetaIO's family skip a field that they don't know by a line of at most this many bytes.
+constexpr std::size_t kMostBytes = 400;
+
+/// A material's name as the value of a field: one line, not empty, cut between characters.
+std::string field_text(const std::string& name) {
+  std::string out;
+  for (std::size_t at = 0; at < name.size();) {
+    const std::size_t length = std::max<std::size_t>(1, decode_utf8(name, at).length);
+    if (out.size() + length > kMostBytes) break;
+    const bool is_control = length == 1 && static_cast<unsigned char>(name[at]) < ' ';
+    out += is_control ? " " : name.substr(at, length);
+    at += length;
+  }
+  return out.empty() ? "-" : out;
+}
+
+/// What labels mean, in fields of our own: MetaIO has none for it.
+std::string names_text(const BuildInfo& info) {
+  std::string out = "Comment = Lamella labels: 0 is void, 1 is Material1 and so on\n";
+  for (const MaterialId id : info.materials.ids()) {
+    out += fmt::format("Material{} = {}\n", 1 + id.value(), field_text(info.materials[id].name));
+  }
+  return out;
+}
 
 std::string vector_text(const Vec3& v) {
   return fmt::format("{} {} {}", format_double(v.x()), format_double(v.y()), format_double(v.z()));
@@ -31,8 +58,9 @@ class MhdFile final : public VolumeFile {
       throw UsageError("the header would have the name of its data", path_.string(), "name it .mhd");
   }
 
-  void begin(const BuildInfo&, const Volume& volume) override {
+  void begin(const BuildInfo& info, const Volume& volume) override {
     volume_ = volume;
+    names_ = names_text(info);
     prepare_target(path_);
     data_.emplace(data_path_, 0);
     if (!is_raw_) data_->append("\x78\x01");  // zlib
@@ -69,6 +97,7 @@ class MhdFile final : public VolumeFile {
     out += fmt::format("Offset = {}\nCenterOfRotation = 0 0 0\nElementSpacing = {}\n",
                        vector_text(volume.first_centre()), vector_text(volume.pitch));
     out += fmt::format("DimSize = {} {} {}\n", volume.size[0], volume.size[1], volume.size[2]);
+    out += names_;
     out += fmt::format("ElementType = {}\nElementDataFile = {}\n", volume.label_bytes == 1 ? "MET_UCHAR" : "MET_USHORT",
                        data_path_.filename().string());
     return out;
@@ -78,6 +107,7 @@ class MhdFile final : public VolumeFile {
   std::filesystem::path data_path_;
   bool is_raw_;
   Volume volume_;
+  std::string names_;
   std::optional<HeadedFile> data_;
   uLong sum_ = 1;
 };

@@ -4,8 +4,7 @@
 
 namespace lamella {
 
-void MixedRowReader::read(const Layer& layer, std::size_t row, const std::function<void(const MixedRun&)>& visit) {
-  const SegmentRows& rows = layer.raster;
+void MixedRowReader::read(const SegmentRows& rows, std::size_t row, const std::function<void(const MixedRun&)>& visit) {
   const Mixtures& mixtures = rows.mixtures;
   const auto first = std::lower_bound(mixtures.segment.begin(), mixtures.segment.end(), rows.row_start[row]) -
                      mixtures.segment.begin();

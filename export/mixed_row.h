@@ -35,7 +35,7 @@ class MixedRowReader {
       : info_(info), raster_(info.plan.grid), choice_(choice) {}
 
   /// Calls visit for each segment of a row that holds pixels. What a run refers to is valid during the call.
-  void read(const Layer& layer, std::size_t row, const std::function<void(const MixedRun&)>& visit);
+  void read(const SegmentRows& rows, std::size_t row, const std::function<void(const MixedRun&)>& visit);
 
  private:
   void sample(const Mixtures& mixtures, std::size_t g, const PixelRun& pixels, std::size_t components);

@@ -10,6 +10,7 @@
 #include "core/parallel.h"
 #include "export/build_check.h"
 #include "export/image_folder.h"
+#include "export/material_runs.h"
 #include "export/png_image.h"
 #include "export/raster_row.h"
 
@@ -18,17 +19,6 @@ namespace lamella {
 namespace {
 
 constexpr std::size_t kMaxIndexedMaterials = 255;  // 8-bit indices, one of which is void
-
-/// Pictures show the part from above: the top row is the one with the largest y (command.md, Images).
-std::int64_t picture_row(const Grid& grid, std::size_t row) {
-  return grid.size[1] - 1 - static_cast<std::int64_t>(row);
-}
-
-/// One row's run of one material.
-struct RowRun {
-  std::int64_t picture_row;
-  LabelRun pixels;
-};
 
 /// Calls visit(picture_row, run) for the runs of a layer, rows from the first to the last.
 template <class Visit>
@@ -59,7 +49,7 @@ class PngSink final : public LayerSink {
 
   [[nodiscard]] std::function<void()> prepare(const Layer& layer) override {
     check_layer(layer, info_);
-    const auto runs = runs_by_material(layer);
+    const auto runs = runs_by_material(layer, info_);
     parallel_for_within(runs.size(), [&](std::size_t m) { folder_.write_image(layer.index, m, picture(runs[m])); });
     return [this, layer = layer.index] { folder_.add_layer(layer, info_.plan.layers[layer]); };
   }
@@ -75,14 +65,6 @@ class PngSink final : public LayerSink {
     PackedImage image = blank_image();
     for (const RowRun& run : runs) image.fill(run.picture_row, run.pixels.begin, run.pixels.end, 1);
     return encode_png(image, style_);
-  }
-
-  [[nodiscard]] std::vector<std::vector<RowRun>> runs_by_material(const Layer& layer) const {
-    std::vector<std::vector<RowRun>> runs(info_.materials.size());
-    visit_runs(layer, info_.plan.grid, [&](std::int64_t row, const LabelRun& run) {
-      runs[run.label - 1].push_back({row, run});
-    });
-    return runs;
   }
 
   ImageFolder folder_;

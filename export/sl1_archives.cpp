@@ -3,6 +3,7 @@
 #include <deque>
 #include <fmt/format.h>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "core/atomic_file.h"
@@ -11,9 +12,9 @@
 #include "core/xml.h"
 #include "export/build_check.h"
 #include "export/file_name.h"
+#include "export/material_runs.h"
 #include "export/package_file.h"
 #include "export/png_image.h"
-#include "export/raster_row.h"
 #include "export/scratch_file.h"
 #include "export/uniform_z.h"
 
@@ -43,10 +44,12 @@ std::string config_text(const Material& material, const std::string& job, double
 }
 
 /// prusaslicer.ini, by which the archive can be imported again: the display is the raster.
-std::string display_text(const Grid& grid, double height) {
+std::string display_text(const Grid& grid, const Sl1Display& display, double height) {
   const auto length = [&](int axis) { return format_double(static_cast<double>(grid.size[axis]) * grid.pitch[axis]); };
-  std::string out = "display_height = " + length(1) + "\ndisplay_mirror_x = 0\ndisplay_mirror_y = 0\n";
-  out += "display_orientation = landscape\n";
+  std::string out = "display_height = " + length(1) + "\n";
+  out +=
+      fmt::format("display_mirror_x = {}\ndisplay_mirror_y = {}\n", display.mirror_x ? 1 : 0, display.mirror_y ? 1 : 0);
+  out += fmt::format("display_orientation = {}\n", display.is_portrait ? "portrait" : "landscape");
   out += fmt::format("display_pixels_x = {}\ndisplay_pixels_y = {}\n", grid.size[0], grid.size[1]);
   out += "display_width = " + length(0) + "\n";
   return out + fmt::format("initial_layer_height = {0}\nlayer_height = {0}\nprinter_technology = SLA\n",
@@ -81,7 +84,7 @@ struct Pictures {
 
 /// The picture of one material in one layer.
 struct Mask {
-  std::string png;
+  std::string png;          ///< empty of a blank one
   std::int64_t pixels = 0;  ///< that are white
 };
 
@@ -94,6 +97,7 @@ class Sl1Sink final : public LayerSink {
     info_ = info;
     uniform_.emplace(info.plan, options_.z_pitch, "SL1");
     style_.pixels_per_metre = pixels_per_metre(info.plan.grid);
+    if (options_.display.is_portrait) std::swap(style_.pixels_per_metre[0], style_.pixels_per_metre[1]);
     blank_ = encode_png(blank_image(), style_);
     std::vector<std::string> names;
     for (const Material& material : info.materials) names.push_back(material.name);
@@ -122,7 +126,7 @@ class Sl1Sink final : public LayerSink {
       const Material& material = info_.materials[MaterialId{m}];
       PackageParts parts;
       parts.texts = {{"config.ini", config_text(material, jobs_[m], uniform_->pitch(), written_, used)},
-                     {"prusaslicer.ini", display_text(info_.plan.grid, uniform_->pitch())}};
+                     {"prusaslicer.ini", display_text(info_.plan.grid, options_.display, uniform_->pitch())}};
       pictures.file.close();
       parts.images = pictures.file.path();
       parts.image_parts = std::move(pictures.parts);
@@ -132,35 +136,51 @@ class Sl1Sink final : public LayerSink {
   }
 
  private:
-  [[nodiscard]] PackedImage blank_image() const { return {info_.plan.grid.size[0], info_.plan.grid.size[1], 8}; }
+  [[nodiscard]] PackedImage blank_image() const {
+    const auto& size = info_.plan.grid.size;
+    const bool is_portrait = options_.display.is_portrait;
+    return {size[is_portrait ? 1 : 0], size[is_portrait ? 0 : 1], 8};
+  }
 
+  /// Paints a run where the display has it.
+  void paint(const RowRun& run, PackedImage& image) const {
+    const Sl1Display& display = options_.display;
+    const auto& size = info_.plan.grid.size;
+    const std::int64_t begin = run.pixels.begin;
+    const std::int64_t end = run.pixels.end;
+    if (!display.is_portrait) {
+      const std::int64_t row = display.mirror_y ? size[1] - 1 - run.picture_row : run.picture_row;
+      image.fill(row, display.mirror_x ? size[0] - end : begin, display.mirror_x ? size[0] - begin : end, kWhite);
+      return;
+    }
+    // The picture's row of the largest y is its leftmost column.
+    const std::int64_t column = display.mirror_x ? size[1] - 1 - run.picture_row : run.picture_row;
+    for (std::int64_t i = begin; i < end; ++i) image.set(display.mirror_y ? i : size[0] - 1 - i, column, kWhite);
+  }
+
+  /// Rows are gone over once for all materials, and only pictures that show something are kept until they are written.
   [[nodiscard]] std::vector<Mask> masks_of(const Layer& layer) const {
-    std::vector<Mask> masks(jobs_.size());
-    parallel_for_within(masks.size(), [&](std::size_t m) { masks[m] = mask_of(layer, 1 + static_cast<unsigned>(m)); });
+    const auto runs = runs_by_material(layer, info_);
+    std::vector<Mask> masks(runs.size());
+    parallel_for_within(masks.size(), [&](std::size_t m) { masks[m] = mask_of(runs[m]); });
     return masks;
   }
 
-  [[nodiscard]] Mask mask_of(const Layer& layer, std::uint32_t label) const {
-    PackedImage image = blank_image();
+  [[nodiscard]] Mask mask_of(std::span<const RowRun> runs) const {
     Mask mask;
-    const RowRaster raster(info_.plan.grid);
-    std::vector<LabelRun> runs;
-    for (std::int64_t row = 0; row < image.height(); ++row) {
-      runs.clear();
-      raster.append_runs(layer.raster.row(static_cast<std::size_t>(row)), runs);
-      for (const LabelRun& run : runs) {
-        if (run.label != label) continue;
-        image.fill(image.height() - 1 - row, run.begin, run.end, kWhite);
-        mask.pixels += run.end - run.begin;
-      }
+    if (runs.empty()) return mask;
+    PackedImage image = blank_image();
+    for (const RowRun& run : runs) {
+      paint(run, image);
+      mask.pixels += run.pixels.end - run.pixels.begin;
     }
-    mask.png = mask.pixels == 0 ? blank_ : encode_png(image, style_);
+    mask.png = encode_png(image, style_);
     return mask;
   }
 
   void add(const std::vector<Mask>& masks) {
     for (std::size_t m = 0; m < masks.size(); ++m) {
-      pictures_[m].add(fmt::format("{}{:05}.png", jobs_[m], written_), masks[m].png);
+      pictures_[m].add(fmt::format("{}{:05}.png", jobs_[m], written_), masks[m].png.empty() ? blank_ : masks[m].png);
       pictures_[m].pixels += masks[m].pixels;
     }
     ++written_;

@@ -1,5 +1,6 @@
 #include "export/step_entities.h"
 
+#include <algorithm>
 #include <fmt/format.h>
 
 #include "core/utf8.h"
@@ -43,6 +44,14 @@ std::string step_real(double value) {
   std::string text;
   append_decimal(text, value);
   if (text.find('.') == std::string::npos) text += '.';
+  return text;
+}
+
+std::string step_exact_real(double value) {
+  std::string text = fmt::format("{}", value);
+  const std::size_t exponent = text.find('e');
+  if (text.find('.') == std::string::npos) text.insert(std::min(exponent, text.size()), 1, '.');
+  std::replace(text.begin(), text.end(), 'e', 'E');
   return text;
 }
 

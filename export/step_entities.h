@@ -30,6 +30,9 @@ class StepEntities {
 /// A real to 1e-6, with the decimal point that the format wants.
 [[nodiscard]] std::string step_real(double value);
 
+/// A real with all its digits.
+[[nodiscard]] std::string step_exact_real(double value);
+
 /// "#12"
 [[nodiscard]] std::string step_reference(StepId id);
 

@@ -1,16 +1,20 @@
 #include "export/step_sink.h"
 
 #include <algorithm>
+#include <array>
 #include <fmt/format.h>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "core/error.h"
 #include "core/xml.h"
 #include "export/build_check.h"
+#include "export/follow_curves.h"
 #include "export/material_contours.h"
 #include "export/output_file.h"
+#include "export/step_curves.h"
 #include "export/step_entities.h"
 
 namespace lamella {
@@ -44,11 +48,14 @@ struct SharedEntities {
 
 class StepSink final : public LayerSink {
  public:
-  explicit StepSink(fs::path file) : path_(std::move(file)) {}
+  StepSink(fs::path file, const StepLayersOptions& options) : path_(std::move(file)), options_(options) {}
 
   void begin(const BuildInfo& info) override {
     check_build(info);
     combiner_.emplace(info, "step");
+    if (options_.hatches && !info.plan.hatch) {
+      throw UsageError("hatch rows in a STEP file need a build with hatch rows", {}, "slice with --hatch-spacing");
+    }
     info_ = info;
     file_.emplace(path_);
     write_header();
@@ -61,7 +68,17 @@ class StepSink final : public LayerSink {
 
   [[nodiscard]] std::function<void()> prepare(const Layer& layer) override {
     check_layer(layer, info_);
-    return [this, &layer, contours = combiner_->combine(*layer.contours)] { write_layer(layer, contours); };
+    MaterialContours contours = combiner_->combine(*layer.contours);
+    MaterialCurves curves(info_.plan.curves ? contours.size() : 0);
+    if (info_.plan.curves) {
+      const CurveFollower follower(*layer.contours, *info_.plan.chord_error);
+      for (const MaterialId material : contours.ids()) {
+        for (const MaterialLoop& loop : contours[material]) curves[material].push_back(follower.follow(loop));
+      }
+    }
+    return [this, &layer, contours = std::move(contours), curves = std::move(curves)] {
+      write_layer(layer, contours, curves);
+    };
   }
 
   void finish(const SliceReport&) override {
@@ -79,13 +96,17 @@ class StepSink final : public LayerSink {
   }
 
  private:
+  /// By loop of the material's contours; none where the build keeps no curves.
+  using MaterialCurves = IdVector<MaterialId, std::vector<std::vector<CurveStretch>>>;
+
   StepId add(std::string_view text) { return entities_->add(text); }
 
   void write_header() {
     std::ostream& out = file_->stream();
     out << "ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION(("
-        << step_string("Lamella layers: contours of materials, chord error " + format_double(*info_.plan.chord_error) +
-                       " mm");
+        << step_string(info_.plan.curves ? "Lamella layers: contours of materials, exact curves"
+                                         : "Lamella layers: contours of materials, chord error " +
+                                               format_double(*info_.plan.chord_error) + " mm");
     for (const SourceFile& source : info_.sources) out << ",\n" << step_string("sliced from " + source.path);
     // No date: the same build gives the same bytes.
     out << "),'2;1');\nFILE_NAME(" << step_string(path_.filename().string())
@@ -126,16 +147,31 @@ class StepSink final : public LayerSink {
     materials_.push_back({add(fmt::format("PRESENTATION_STYLE_ASSIGNMENT((#{}))", curve)), {}});
   }
 
-  void write_layer(const Layer& layer, const MaterialContours& contours) {
+  void write_layer(const Layer& layer, const MaterialContours& contours, const MaterialCurves& curves) {
     std::vector<StepId> sets;
-    for (const MaterialId material : contours.ids()) {
-      if (contours[material].empty()) continue;
-      std::vector<StepId> polylines;
-      for (const MaterialLoop& loop : contours[material]) polylines.push_back(write_loop(loop, layer.z_sample));
-      const std::string name = fmt::format("layer {}, {}", layer.index, info_.materials[material].name);
-      sets.push_back(add("GEOMETRIC_CURVE_SET(" + step_string(name) + "," + step_list(polylines) + ")"));
+    const auto add_set = [&](MaterialId material, std::span<const StepId> elements, const char* what) {
+      const std::string name = fmt::format("layer {}, {}{}", layer.index, info_.materials[material].name, what);
+      sets.push_back(add("GEOMETRIC_CURVE_SET(" + step_string(name) + "," + step_list(elements) + ")"));
       styled_.push_back(add(fmt::format("STYLED_ITEM('',(#{}),#{})", materials_[material].style, sets.back())));
       materials_[material].curve_sets.push_back(sets.back());
+    };
+    for (const MaterialId material : contours.ids()) {
+      if (contours[material].empty()) continue;
+      std::vector<StepId> loops;
+      for (std::size_t i = 0; i < contours[material].size(); ++i) {
+        const MaterialLoop& loop = contours[material][i];
+        const bool is_straight = curves.empty() || std::none_of(curves[material][i].begin(), curves[material][i].end(),
+                                                                [](const auto& s) { return s.carrier.kind; });
+        loops.push_back(is_straight ? write_loop(loop, layer.z_sample)
+                                    : add_curve_loop(*entities_, curves[material][i], layer.z_sample, kind_of(loop)));
+      }
+      add_set(material, loops, "");
+    }
+    if (options_.hatches) {
+      for (const MaterialId material : contours.ids()) {
+        const std::vector<StepId> lines = write_hatches(layer, material);
+        if (!lines.empty()) add_set(material, lines, ", hatch");
+      }
     }
     if (sets.empty()) return;
     const std::string heights = fmt::format("z_bottom={} z_sample={} z_top={} mm", format_double(layer.z_bottom),
@@ -153,7 +189,31 @@ class StepSink final : public LayerSink {
           add("CARTESIAN_POINT('',(" + step_real(point.x()) + "," + step_real(point.y()) + "," + height + "))"));
     }
     points.push_back(points.front());
-    return add(std::string("POLYLINE(") + (loop.parent < 0 ? "'outer'," : "'hole',") + step_list(points) + ")");
+    return add(fmt::format("POLYLINE({},{})", kind_of(loop), step_list(points)));
+  }
+
+  static const char* kind_of(const MaterialLoop& loop) { return loop.parent < 0 ? "'outer'" : "'hole'"; }
+
+  /// One line for each segment of the material, along its row.
+  [[nodiscard]] std::vector<StepId> write_hatches(const Layer& layer, MaterialId material) {
+    const HatchAxes axes = hatch_axes(*info_.plan.hatch, layer.index);
+    const HatchRows& hatch = *layer.hatch;
+    const auto point = [&](double x, double offset) {
+      const Vec2 at = x * axes.along + offset * axes.across;
+      return add(fmt::format("CARTESIAN_POINT('',({},{},{}))", step_real(at.x()), step_real(at.y()),
+                             step_real(layer.z_sample)));
+    };
+    std::vector<StepId> lines;
+    for (std::size_t row = 0; row < hatch.rows.rows(); ++row) {
+      const double offset =
+          (static_cast<double>(hatch.first_row + static_cast<std::int64_t>(row)) + 0.5) * hatch.spacing;
+      for (const Segment& segment : hatch.rows.row(row)) {
+        if (segment.material != material) continue;
+        const std::array ends{point(segment.x_begin, offset), point(segment.x_end, offset)};
+        lines.push_back(add("POLYLINE('hatch'," + step_list(ends) + ")"));
+      }
+    }
+    return lines;
   }
 
   StepId write_product(MaterialId id) {
@@ -192,6 +252,7 @@ class StepSink final : public LayerSink {
   }
 
   fs::path path_;
+  StepLayersOptions options_;
   BuildInfo info_;
   std::optional<ContourCombiner> combiner_;
   std::optional<OutputFile> file_;
@@ -203,6 +264,8 @@ class StepSink final : public LayerSink {
 
 }  // namespace
 
-std::unique_ptr<LayerSink> make_step_sink(const fs::path& file) { return std::make_unique<StepSink>(file); }
+std::unique_ptr<LayerSink> make_step_sink(const fs::path& file, const StepLayersOptions& options) {
+  return std::make_unique<StepSink>(file, options);
+}
 
 }  // namespace lamella

@@ -65,8 +65,20 @@ std::int32_t ViewScale::code(double x, std::int64_t first) const {
   return static_cast<std::int32_t>(static_cast<double>(first) * scale - kept);
 }
 
+HatchScale::HatchScale(const Grid& grid) {
+  const Vec2 size(grid.pitch.x() * static_cast<double>(grid.size[0]),
+                  grid.pitch.y() * static_cast<double>(grid.size[1]));
+  unit = std::ldexp(size.norm(), -24);
+  centre = grid.origin.head<2>() + 0.5 * size;
+}
+
+std::int64_t HatchScale::code(double x, const Vec2& along) const {
+  return std::llround((x - centre.dot(along)) / unit);
+}
+
 bool ViewChunk::is_full() const {
-  return sizes_.segments >= kFullSegments || sizes_.rows >= kFullRows || sizes_.fractions >= kFullFractions;
+  return sizes_.segments + sizes_.hatch_segments >= kFullSegments || sizes_.rows + sizes_.hatch_rows >= kFullRows ||
+         sizes_.fractions >= kFullFractions;
 }
 
 void ViewChunk::add(const Layer& layer) {
@@ -80,33 +92,65 @@ void ViewChunk::add(const Layer& layer) {
     last_graded_ = number;
     add_mixture(layer, g);
   }
+  if (hatch_ && layer.hatch) add_hatch(*layer.hatch, layer.index);
   ++sizes_.layers;
   sizes_.rows += layer.raster.rows();
   sizes_.graded += mixtures.segment.size();
 }
 
+void ViewChunk::Rows::begin_row(std::size_t count) {
+  counts.push_back(folded(static_cast<std::int64_t>(count) - last_count));
+  last_count = static_cast<std::int64_t>(count);
+  row_gaps.clear();
+  row_lengths.clear();
+}
+
+void ViewChunk::Rows::add(std::int64_t gap, std::int64_t length, MaterialId material) {
+  gaps.push_back(folded(gap - or_zero(last_gaps, row_gaps.size())));
+  lengths.push_back(folded(length - or_zero(last_lengths, row_lengths.size())));
+  row_gaps.push_back(gap);
+  row_lengths.push_back(length);
+  materials.push_back(material.value());
+}
+
+void ViewChunk::Rows::end_row() {
+  std::swap(row_gaps, last_gaps);
+  std::swap(row_lengths, last_lengths);
+}
+
 void ViewChunk::add_row(const SegmentRows& rows, std::size_t r) {
   const auto segments = rows.row(r);
-  row_counts_.push_back(folded(static_cast<std::int64_t>(segments.size()) - last_count_));
-  last_count_ = static_cast<std::int64_t>(segments.size());
-  gaps_.clear();
-  lengths_.clear();
+  raster_rows_.begin_row(segments.size());
   std::int64_t end = 0;
   for (const Segment& segment : segments) {
     const PixelRun pixels = pixels_of(segment, grid_);
     const std::int32_t begin = scale_.code(segment.x_begin, pixels.begin);
     begins_.push_back(begin);
-    gaps_.push_back(begin - end);
+    const std::int64_t gap = begin - end;
     end = scale_.code(segment.x_end, pixels.end);
-    lengths_.push_back(end - begin);
-    segment_gaps_.push_back(folded(gaps_.back() - or_zero(last_gaps_, gaps_.size() - 1)));
-    segment_lengths_.push_back(folded(lengths_.back() - or_zero(last_lengths_, lengths_.size() - 1)));
-    materials_.push_back(segment.material.value());
+    raster_rows_.add(gap, end - begin, segment.material);
     solids_.push_back(segment.solid.value());
   }
+  raster_rows_.end_row();
   sizes_.segments += segments.size();
-  std::swap(gaps_, last_gaps_);
-  std::swap(lengths_, last_lengths_);
+}
+
+void ViewChunk::add_hatch(const HatchRows& hatch, std::uint32_t layer) {
+  const Vec2 along = hatch_axes(*hatch_, layer).along;
+  for (std::size_t r = 0; r < hatch.rows.rows(); ++r) {
+    const auto segments = hatch.rows.row(r);
+    hatch_rows_.begin_row(segments.size());
+    std::int64_t last = 0;
+    for (const Segment& segment : segments) {
+      const std::int64_t begin = hatch_scale_.code(segment.x_begin, along);
+      const std::int64_t end = hatch_scale_.code(segment.x_end, along);
+      hatch_rows_.add(begin - last, end - begin, segment.material);
+      last = end;
+    }
+    hatch_rows_.end_row();
+    sizes_.hatch_segments += segments.size();
+  }
+  sizes_.hatch_rows += hatch.rows.rows();
 }
 
 void ViewChunk::add_mixture(const Layer& layer, std::size_t g) {
@@ -131,11 +175,12 @@ void ViewChunk::add_mixture(const Layer& layer, std::size_t g) {
 
 std::string ViewChunk::take() {
   std::string bytes;
-  for (const Column* column : {&row_counts_, &segment_gaps_, &segment_lengths_, &materials_, &solids_, &graded_,
-                               &knot_counts_, &knot_x_, &fractions_}) {
+  for (const Column* column : {&raster_rows_.counts, &raster_rows_.gaps, &raster_rows_.lengths, &raster_rows_.materials,
+                               &solids_, &graded_, &knot_counts_, &knot_x_, &fractions_, &hatch_rows_.counts,
+                               &hatch_rows_.gaps, &hatch_rows_.lengths, &hatch_rows_.materials}) {
     append_planes(*column, bytes);
   }
-  *this = ViewChunk(grid_);
+  *this = ViewChunk(grid_, hatch_);
   return base64(compress(bytes));
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,16 @@ class ViewScale {
   int bits_;
 };
 
+/// Places along hatch rows as whole numbers: units from the foot of the lattice's middle.
+struct HatchScale {
+  explicit HatchScale(const Grid& grid);
+
+  double unit = 1.0;  ///< mm: the lattice's diagonal in 2^24 parts
+  Vec2 centre = Vec2::Zero();
+
+  [[nodiscard]] std::int64_t code(double x, const Vec2& along) const;
+};
+
 /// How many numbers the columns of a chunk hold.
 struct ViewChunkSizes {
   std::uint64_t layers = 0;
@@ -35,12 +46,16 @@ struct ViewChunkSizes {
   std::uint64_t graded = 0;     ///< segments of graded material
   std::uint64_t knots = 0;      ///< of the graded segments
   std::uint64_t fractions = 0;  ///< of the knots
+  std::uint64_t hatch_rows = 0;
+  std::uint64_t hatch_segments = 0;
 };
 
 /// Consecutive layers of a page, packed together (docs/viewer.md, "What the page holds").
 class ViewChunk {
  public:
-  explicit ViewChunk(const Grid& grid) : grid_(grid), scale_(grid) {}
+  /// With a `hatch`, rows of it too.
+  explicit ViewChunk(const Grid& grid, const std::optional<HatchLattice>& hatch = {})
+      : grid_(grid), hatch_(hatch), scale_(grid), hatch_scale_(grid) {}
 
   void add(const Layer& layer);
   [[nodiscard]] bool is_full() const;
@@ -51,20 +66,34 @@ class ViewChunk {
  private:
   using Column = std::vector<std::uint32_t>;
 
+  /// Rows of segments as columns of differences to the row before.
+  struct Rows {
+    Column counts, gaps, lengths, materials;
+    std::int64_t last_count = 0;
+    std::vector<std::int64_t> last_gaps;     ///< of the row before
+    std::vector<std::int64_t> last_lengths;  ///< of the row before
+    std::vector<std::int64_t> row_gaps;
+    std::vector<std::int64_t> row_lengths;
+
+    void begin_row(std::size_t count);
+    /// `gap` from the end before, or from 0.
+    void add(std::int64_t gap, std::int64_t length, MaterialId material);
+    void end_row();
+  };
+
   void add_row(const SegmentRows& rows, std::size_t r);
   void add_mixture(const Layer& layer, std::size_t g);
+  void add_hatch(const HatchRows& hatch, std::uint32_t layer);
 
   Grid grid_;
+  std::optional<HatchLattice> hatch_;
   ViewScale scale_;
+  HatchScale hatch_scale_;
   ViewChunkSizes sizes_;
-  std::int64_t last_count_ = 0;
-  std::vector<std::int64_t> last_gaps_;     ///< of the row before
-  std::vector<std::int64_t> last_lengths_;  ///< of the row before
-  std::vector<std::int64_t> gaps_;
-  std::vector<std::int64_t> lengths_;
+  Rows raster_rows_, hatch_rows_;
   std::vector<std::int32_t> begins_;  ///< of the current layer's segments
   std::uint64_t last_graded_ = 0;
-  Column row_counts_, segment_gaps_, segment_lengths_, materials_, solids_, graded_, knot_counts_, knot_x_, fractions_;
+  Column solids_, graded_, knot_counts_, knot_x_, fractions_;
 };
 
 }  // namespace lamella

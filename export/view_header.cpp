@@ -30,6 +30,15 @@ void write_grid(JsonText& json, const BuildInfo& info) {
   json.close(']').key("bits").integer(static_cast<std::uint64_t>(ViewScale(grid).bits())).close('}');
 }
 
+void write_hatch(JsonText& json, const BuildInfo& info) {
+  if (!info.plan.hatch) return;
+  const HatchScale scale(info.plan.grid);
+  json.key("hatch").open('{').key("spacing").number(info.plan.hatch->spacing);
+  json.key("angle").number(info.plan.hatch->angle).key("rotation").number(info.plan.hatch->rotation);
+  json.key("unit").number(scale.unit);
+  json.key("centre").open('[').number(scale.centre.x()).number(scale.centre.y()).close(']').close('}');
+}
+
 void write_materials(JsonText& json, const BuildInfo& info, const SliceReport& report) {
   json.key("materials").open('[');
   for (const MaterialId id : info.materials.ids()) {
@@ -82,6 +91,10 @@ void write_layers(JsonText& json, const BuildInfo& info, const std::vector<ViewL
   column("z_sample", [&](const ViewLayer& layer) { json.number(span_of(layer).z_sample); });
   column("z_top", [&](const ViewLayer& layer) { json.number(span_of(layer).z_top); });
   column("segments", [&](const ViewLayer& layer) { json.integer(layer.segments); });
+  if (info.plan.hatch) {
+    column("hatch_first", [&](const ViewLayer& layer) { json.number(static_cast<double>(layer.hatch_first)); });
+    column("hatch_rows", [&](const ViewLayer& layer) { json.integer(layer.hatch_rows); });
+  }
   json.key("area").open('[');
   for (std::size_t m = 0; m < info.materials.size(); ++m) {
     json.open('[');
@@ -91,12 +104,16 @@ void write_layers(JsonText& json, const BuildInfo& info, const std::vector<ViewL
   json.close(']').close('}');
 }
 
-void write_chunks(JsonText& json, const std::vector<ViewChunkSizes>& chunks) {
+void write_chunks(JsonText& json, const std::vector<ViewChunkSizes>& chunks, bool has_hatch) {
   json.key("chunks").open('[');
   for (const ViewChunkSizes& chunk : chunks) {
     json.open('{').key("layers").integer(chunk.layers).key("rows").integer(chunk.rows);
     json.key("segments").integer(chunk.segments).key("graded").integer(chunk.graded);
-    json.key("knots").integer(chunk.knots).key("fractions").integer(chunk.fractions).close('}');
+    json.key("knots").integer(chunk.knots).key("fractions").integer(chunk.fractions);
+    if (has_hatch) {
+      json.key("hatch_rows").integer(chunk.hatch_rows).key("hatch_segments").integer(chunk.hatch_segments);
+    }
+    json.close('}');
   }
   json.close(']');
 }
@@ -158,10 +175,11 @@ std::string view_header(const BuildInfo& info, const SliceReport& report, const 
   json.close(']');
   if (info.turn) write_rotation(json, *info.turn);
   write_grid(json, info);
+  write_hatch(json, info);
   write_materials(json, info, report);
   write_solids(json, info, report);
   write_layers(json, info, layers);
-  write_chunks(json, chunks);
+  write_chunks(json, chunks, info.plan.hatch.has_value());
   write_report(json, report);
   json.close('}');
   return json.str();

@@ -28,22 +28,29 @@ std::string_view page() {
 
 class ViewSink final : public LayerSink {
  public:
-  ViewSink(std::filesystem::path path, std::uint32_t every) : path_(std::move(path)), every_(every) {}
+  ViewSink(std::filesystem::path path, const ViewPageOptions& options) : path_(std::move(path)), options_(options) {}
 
   void begin(const BuildInfo& info) override {
     check_build(info);
     info_ = info;
-    info_.plan.hatch.reset();
-    chunk_.emplace(info.plan.grid);
+    if (options_.hatches && !info.plan.hatch) {
+      throw UsageError("the build has no hatch rows", path_.string(), "slice with --hatch-spacing");
+    }
+    if (!options_.hatches) info_.plan.hatch.reset();
+    chunk_.emplace(info.plan.grid, info_.plan.hatch);
     file_.emplace(path_);
     file_->stream() << page().substr(0, page().find(kPlace));
   }
 
   void write(const Layer& layer) override {
-    if (offered_++ % every_ != 0) return;
+    if (offered_++ % options_.every != 0) return;
     check_layer(layer, info_);
     count(layer);
     layers_.push_back({layer.index, layer.raster.segments.size(), areas(layer)});
+    if (options_.hatches) {
+      layers_.back().hatch_first = layer.hatch->first_row;
+      layers_.back().hatch_rows = layer.hatch->rows.rows();
+    }
     chunk_->add(layer);
     if (chunk_->is_full()) write_chunk();
   }
@@ -60,6 +67,10 @@ class ViewSink final : public LayerSink {
   void count(const Layer& layer) {
     segments_ += layer.raster.segments.size();
     rows_ += layer.raster.rows();
+    if (options_.hatches) {
+      segments_ += layer.hatch->rows.segments.size();
+      rows_ += layer.hatch->rows.rows();
+    }
     if (segments_ <= kMostViewSegments && rows_ <= kMostViewRows) return;
     throw UsageError("a page of more than " + std::to_string(kMostViewSegments) + " segments or " +
                          std::to_string(kMostViewRows) + " rows is too much for a browser",
@@ -83,7 +94,7 @@ class ViewSink final : public LayerSink {
   }
 
   std::filesystem::path path_;
-  std::uint32_t every_;
+  ViewPageOptions options_;
   BuildInfo info_;
   std::optional<OutputFile> file_;
   std::optional<ViewChunk> chunk_;
@@ -96,9 +107,9 @@ class ViewSink final : public LayerSink {
 
 }  // namespace
 
-std::unique_ptr<LayerSink> make_view_sink(const std::filesystem::path& file, std::uint32_t every) {
-  if (every == 0) throw UsageError("every 0th layer is none");
-  return std::make_unique<ViewSink>(file, every);
+std::unique_ptr<LayerSink> make_view_sink(const std::filesystem::path& file, const ViewPageOptions& options) {
+  if (options.every == 0) throw UsageError("every 0th layer is none");
+  return std::make_unique<ViewSink>(file, options);
 }
 
 }  // namespace lamella

@@ -167,7 +167,9 @@ class CopiedPart {
       if (loop.parent >= 0) loop.parent += base;
       polygon.assign(first.polygon(i).begin(), first.polygon(i).end());
       for (Vec2& point : polygon) point += copied_.offsets[copy];
-      out.add(loop, polygon);
+      std::vector<ContourCurve> curves = first.curves_of(i);
+      for (ContourCurve& curve : curves) curve.shift(copied_.offsets[copy]);
+      out.add(loop, polygon, curves);
     }
   }
 

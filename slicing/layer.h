@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -75,21 +77,65 @@ struct ContourLoop {
   bool operator==(const ContourLoop&) const = default;
 };
 
+/// Finer rows for outputs that average over a row of voxels: line s of raster row j is row j * per_row + s, at
+/// y = O_y + (j + (s + 1/2) / per_row) p_y.
+struct SubRows {
+  std::int64_t per_row = 1;
+  SegmentRows rows;
+
+  bool operator==(const SubRows&) const = default;
+};
+
+enum class CurveKind : std::uint8_t { ellipse, quintic };
+
+/// The curve that consecutive sides of a loop are chords of. Side i leads from point i to the next of its loop.
+struct ContourCurve {
+  std::uint64_t first_side = 0;
+  std::uint64_t sides = 0;  ///< all in one loop
+  CurveKind kind = CurveKind::quintic;
+  /// Of an ellipse x and y of the centre, of the radius at angle 0 and of that at pi / 2, mm, then the angle where the
+  /// first side begins and the angle swept, radians, of either sign: centre + cos(a) r0 + sin(a) r1; the rest is 0.
+  /// Of a quintic the coefficients of x(t), then of y(t), ascending, mm; t runs from 0 to 1.
+  std::array<double, 12> numbers{};
+
+  /// Moves the curve in its plane.
+  void shift(const Vec2& by) {
+    numbers[0] += by.x();
+    numbers[kind == CurveKind::ellipse ? 1 : 6] += by.y();
+  }
+  bool operator==(const ContourCurve&) const = default;
+};
+
 /// Sections of whole solids as polygons, before priorities: where solids overlap, so do their loops. Loops ascend by
 /// solid; loop i has the points [point_start[i], point_start[i + 1]), three at least, the last joins the first.
 struct LayerContours {
   std::vector<ContourLoop> loops;
   std::vector<std::uint64_t> point_start{0};
   std::vector<Vec2> points;  ///< mm
+  /// On request, ascending by side, no side in two of them; sides in none are straight in the section too.
+  std::vector<ContourCurve> curves;
 
   [[nodiscard]] std::span<const Vec2> polygon(std::size_t loop) const {
     return {points.data() + point_start[loop], points.data() + point_start[loop + 1]};
   }
-  /// Adds a loop at the end.
-  void add(const ContourLoop& loop, std::span<const Vec2> polygon) {
+  /// Adds a loop at the end; the sides of its curves count from its own first.
+  void add(const ContourLoop& loop, std::span<const Vec2> polygon, std::span<const ContourCurve> of_loop = {}) {
+    for (ContourCurve curve : of_loop) {
+      curve.first_side += points.size();
+      curves.push_back(curve);
+    }
     loops.push_back(loop);
     points.insert(points.end(), polygon.begin(), polygon.end());
     point_start.push_back(points.size());
+  }
+  /// Those of one loop; their sides count from its own first.
+  [[nodiscard]] std::vector<ContourCurve> curves_of(std::size_t loop) const {
+    const auto by_side = [](const ContourCurve& curve, std::uint64_t side) { return curve.first_side < side; };
+    const auto first = std::lower_bound(curves.begin(), curves.end(), point_start[loop], by_side);
+    const auto last = std::lower_bound(first, curves.end(), point_start[loop + 1], by_side);
+    std::vector<ContourCurve> found(first, last);
+    for (ContourCurve& curve : found) curve.first_side -= point_start[loop];
+    return found;
   }
   bool operator==(const LayerContours&) const = default;
 };
@@ -103,6 +149,7 @@ struct Layer {
   SegmentRows raster;  ///< one row per raster line, j ascending with y
   std::optional<HatchRows> hatch;
   std::optional<LayerContours> contours;  ///< at z_sample
+  std::optional<SubRows> sub_rows;        ///< on request, while slicing: a store keeps none
 
   bool operator==(const Layer&) const = default;
 };

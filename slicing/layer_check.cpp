@@ -75,6 +75,23 @@ std::optional<std::string> find_loop_fault(const LayerContours& contours, std::s
   return std::nullopt;
 }
 
+std::optional<std::string> find_curve_fault(const LayerContours& contours) {
+  std::uint64_t free_side = 0;
+  for (const ContourCurve& curve : contours.curves) {
+    const auto end = std::upper_bound(contours.point_start.begin(), contours.point_start.end(), curve.first_side);
+    if (curve.first_side < free_side || curve.sides == 0 || end == contours.point_start.end() ||
+        curve.sides > *end - curve.first_side) {
+      return "the sides of curves aren't in order";
+    }
+    free_side = curve.first_side + curve.sides;
+    if (curve.kind != CurveKind::ellipse && curve.kind != CurveKind::quintic) return "a curve is of no known kind";
+    for (const double number : curve.numbers) {
+      if (!std::isfinite(number)) return "a curve is not finite";
+    }
+  }
+  return std::nullopt;
+}
+
 std::optional<std::string> find_contour_fault(const LayerContours& contours, const LayerLimits& limits) {
   if (!is_start_list(contours.point_start, contours.loops.size(), contours.points.size())) {
     return "the points of loops aren't in order";
@@ -83,7 +100,7 @@ std::optional<std::string> find_contour_fault(const LayerContours& contours, con
     if (contours.point_start[i + 1] - contours.point_start[i] < 3) return "a loop has less than three points";
     if (auto fault = find_loop_fault(contours, i, limits)) return *fault + " in loop " + std::to_string(i);
   }
-  return std::nullopt;
+  return find_curve_fault(contours);
 }
 
 }  // namespace
@@ -127,6 +144,13 @@ std::optional<std::string> find_layer_fault(const Layer& layer, const LayerLimit
   if (auto fault = find_rows_fault(layer.raster, limits)) return fault;
   if (layer.contours) {
     if (auto fault = find_contour_fault(*layer.contours, limits)) return std::string("contours: ").append(*fault);
+  }
+  if (layer.sub_rows) {
+    if (layer.sub_rows->per_row < 1 ||
+        layer.sub_rows->rows.rows() != limits.rows * static_cast<std::size_t>(layer.sub_rows->per_row)) {
+      return "it has a wrong number of sub-rows";
+    }
+    if (auto fault = find_rows_fault(layer.sub_rows->rows, limits)) return std::string("sub-rows: ").append(*fault);
   }
   if (!layer.hatch) return std::nullopt;
   if (!std::isfinite(layer.hatch->angle) || !(layer.hatch->spacing > 0.0)) return "its hatch lattice is not finite";

@@ -17,6 +17,13 @@ RowLattice raster_lattice(const Grid& grid) {
   return lattice;
 }
 
+RowLattice sub_lattice(const Grid& grid, std::int64_t per_row) {
+  RowLattice lattice = raster_lattice(grid);
+  lattice.spacing = grid.pitch.y() / static_cast<double>(per_row);
+  lattice.last_row *= per_row;
+  return lattice;
+}
+
 /// The spans of a row with what fills its gaps, sorted; nearly always that is nothing.
 std::span<const Span> filled_row(std::span<const Span> spans, std::span<const GapFill> fills, std::vector<Span>& out) {
   if (fills.empty()) return spans;
@@ -36,7 +43,7 @@ void begin_layer(const LayerPlan& plan, std::size_t index, const LayerRequest& r
   if (!layer.hatch) layer.hatch.emplace();
   layer.hatch->angle = plan.hatch->angle + static_cast<double>(index) * plan.hatch->rotation;
   layer.hatch->spacing = plan.hatch->spacing;
-  layer.hatch->first_row = request.lattices.back().first_row;
+  layer.hatch->first_row = request.lattices[1].first_row;
 }
 
 }  // namespace
@@ -93,6 +100,7 @@ LayerRequest LayerCutter::request_of(std::size_t layer) const {
   request.z = plan_.layers[layer].z_sample;
   request.lattices.push_back(raster_lattice(plan_.grid));
   if (plan_.hatch) request.lattices.push_back(hatch_lattice(layer));
+  if (plan_.sub_rows > 0) request.lattices.push_back(sub_lattice(plan_.grid, plan_.sub_rows));
   return request;
 }
 
@@ -117,6 +125,7 @@ void LayerCutter::cut_contours(std::span<CutLayer> out, Workspace& workspace) co
   engine_.contours(workspace.requests, *plan_.chord_error, workspace.contours);
   for (std::size_t i = 0; i < out.size(); ++i) {
     out[i].layer.contours = std::move(workspace.contours[i].contours);
+    if (!plan_.curves) out[i].layer.contours->curves.clear();
     out[i].contour_findings = std::move(workspace.contours[i].findings);
   }
 }
@@ -163,11 +172,21 @@ void LayerCutter::combine(const LayerRequest& request, const LayerSpans& spans, 
   workspace.sums.write(out.lengths);
   add_component_lengths(out.layer.raster, rules_.table->materials, out.lengths.materials);
   workspace.deepest.measure(interfaces_.distances(), request.z, raster, spans.lattices[0], out.lengths.depths);
-  if (plan_.hatch) {
-    combine_rows(request.z, request.lattices[1], spans.lattices[1], workspace, out.layer.hatch->rows,
-                 [](std::size_t, std::span<const Span>, std::span<const Segment>, std::span<const GapFill>) {});
-    mixer_.mix(request.z, request.lattices[1], out.layer.hatch->rows, *workspace.mixing, out.mixing);
+  if (plan_.hatch) combine_unmeasured(request, spans, 1, workspace, out, out.layer.hatch->rows);
+  if (plan_.sub_rows > 0) {
+    if (!out.layer.sub_rows) out.layer.sub_rows.emplace();
+    out.layer.sub_rows->per_row = plan_.sub_rows;
+    const std::size_t last = request.lattices.size() - 1;
+    combine_unmeasured(request, spans, last, workspace, out, out.layer.sub_rows->rows);
   }
+}
+
+/// Rows of a lattice that volumes aren't summed over.
+void LayerCutter::combine_unmeasured(const LayerRequest& request, const LayerSpans& spans, std::size_t lattice,
+                                     Workspace& workspace, CutLayer& out, SegmentRows& rows) const {
+  combine_rows(request.z, request.lattices[lattice], spans.lattices[lattice], workspace, rows,
+               [](std::size_t, std::span<const Span>, std::span<const Segment>, std::span<const GapFill>) {});
+  mixer_.mix(request.z, request.lattices[lattice], rows, *workspace.mixing, out.mixing);
 }
 
 }  // namespace lamella

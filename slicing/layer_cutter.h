@@ -63,6 +63,8 @@ class LayerCutter {
                     const Measure& measure) const;
   void cut_contours(std::span<CutLayer> out, Workspace& workspace) const;
   void combine(const LayerRequest& request, const LayerSpans& spans, Workspace& workspace, CutLayer& out) const;
+  void combine_unmeasured(const LayerRequest& request, const LayerSpans& spans, std::size_t lattice,
+                          Workspace& workspace, CutLayer& out, SegmentRows& rows) const;
 
   const SlabEngine& engine_;
   const IdVector<SolidId, SolidMeasure>& measures_;

@@ -20,6 +20,8 @@ constexpr std::int64_t kMaxVoxels = std::numeric_limits<std::int32_t>::max();
 constexpr std::int64_t kMaxLines = 10'000'000;
 /// A thousand kilometres in mm: beyond it, products of coordinates are of no use to anyone downstream.
 constexpr double kFarthest = 1e9;
+/// Of a row of pixels; 8 bits of grey tell no more apart.
+constexpr std::int64_t kMostSubRows = 64;
 /// A nanometre: what contours are joined and subtracted at (docs/methods/material-contours.md).
 constexpr double kFinestChord = 1e-6;  // mm
 
@@ -149,6 +151,12 @@ LayerPlan plan_layers(const Box3& bounds, const PlanOptions& options) {
   plan.hatch = options.hatch;
   if (options.chord_error) check_chord_error(*options.chord_error);
   plan.chord_error = options.chord_error;
+  plan.curves = options.chord_error && options.curves;
+  if (options.sub_rows < 0 || options.sub_rows > kMostSubRows) {
+    throw UsageError("a row of pixels can have " + std::to_string(kMostSubRows) + " lines at most", {},
+                     "give --coverage-rows less");
+  }
+  plan.sub_rows = options.sub_rows;
 
   // One expression for every height, so that the top of a layer is the bottom of the next bit for bit.
   const auto height = [&](double k) { return plan.grid.origin.z() + k * plan.grid.pitch.z(); };

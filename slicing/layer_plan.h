@@ -36,6 +36,8 @@ struct LayerPlan {
   std::vector<LayerSpan> layers;  ///< ascending, contiguous
   std::optional<HatchLattice> hatch;
   std::optional<double> chord_error;  ///< of contours, if layers have them: mm between polygon and exact section
+  bool curves = false;                ///< contours keep the curves that they are chords of
+  std::int64_t sub_rows = 0;          ///< lines across a raster row that layers get besides; 0: none
 
   [[nodiscard]] double row_y(std::int64_t row) const { return grid.origin.y() + (row + 0.5) * grid.pitch.y(); }
 };
@@ -46,6 +48,8 @@ struct PlanOptions {
   std::optional<Vec3> origin;          ///< default: the lower bounds
   std::optional<HatchLattice> hatch;
   std::optional<double> chord_error;  ///< mm; layers get contours
+  bool curves = false;                ///< contours keep their curves; needs a chord error
+  std::int64_t sub_rows = 0;          ///< lines across a raster row besides its own, at most 64
 };
 
 /// Lays the lattices over exact bounds. Throws UsageError when a pitch isn't positive and finite, when the origin lies

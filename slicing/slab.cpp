@@ -49,7 +49,7 @@ void sort_loops(LayerContours& contours) {
   for (const std::size_t i : order) {
     ContourLoop loop = contours.loops[i];
     if (loop.parent >= 0) loop.parent = place[static_cast<std::size_t>(loop.parent)];
-    sorted.add(loop, contours.polygon(i));
+    sorted.add(loop, contours.polygon(i), contours.curves_of(i));
   }
   contours = std::move(sorted);
 }

@@ -1,5 +1,7 @@
 #include <memory>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "slicing/copied_engine.h"
 #include "slicing/slicer.h"
@@ -33,6 +35,27 @@ SlabEngine make_reference_engine(const Scene& scene, const IdVector<SolidId, Sol
   return make_ray_engine(cast, std::move(targets), progress);
 }
 
+/// Contours of the closed solids, and of each open one on a layer a finding that it has none: without a closed surface
+/// its section has no inside that loops could bound, and rows alone don't make one.
+ContourFunction contours_but_of(const Scene& scene, const IdVector<SolidId, SolidMeasure>& measures,
+                                const std::vector<SolidId>& open, const ContourFunction& of_closed) {
+  return [&scene, &measures, open, of_closed](std::span<const LayerRequest> slab, double chord_error,
+                                              std::span<CutContours> out) {
+    of_closed(slab, chord_error, out);
+    for (const SolidId solid : open) {
+      const Box3& bounds = measures[solid].bounds;
+      for (std::size_t i = 0; i < slab.size(); ++i) {
+        if (!(bounds.min().z() <= slab[i].z && slab[i].z <= bounds.max().z())) continue;
+        Finding finding;
+        finding.solid = scene.solids[solid].info.path;
+        finding.what = "on layer " + std::to_string(slab[i].layer) + " it has rows, but no contours: the solid is open";
+        finding.hint = "repair it; contours of others keep what it would take of them";
+        out[i].findings.push_back(std::move(finding));
+      }
+    }
+  };
+}
+
 }  // namespace
 
 SlabEngine make_engine(const Scene& scene, const IdVector<SolidId, SolidMeasure>& measures,
@@ -49,7 +72,10 @@ SlabEngine make_engine(const Scene& scene, const IdVector<SolidId, SolidMeasure>
       scene, closed, find_copies(scene, measures, solids),
       [&](std::span<const SolidId> some) { return make_span_engine(scene, some, options, progress); });
   if (open.empty()) return engine;
-  return join_engines(std::move(engine), make_reference_engine(scene, measures, open, options, progress));
+  ContourFunction contours = contours_but_of(scene, measures, open, engine.contours);
+  SlabEngine joined = join_engines(std::move(engine), make_reference_engine(scene, measures, open, options, progress));
+  joined.contours = std::move(contours);
+  return joined;
 }
 
 SliceReport slice(const Scene& scene, const MaterialTable& table, const IdVector<SolidId, SolidMeasure>& measures,

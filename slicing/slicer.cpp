@@ -34,8 +34,8 @@ void check_policy(const MaterialTable& table, const LayerPlan& plan) {
 
 void check_contours(const SlabEngine& engine, const LayerPlan& plan) {
   if (!plan.chord_error || engine.contours) return;
-  throw UsageError("contours need the span engine and closed solids", {},
-                   "leave out --engine reference and --allow-open, or the contours");
+  throw UsageError("contours need the span engine and a closed solid", {},
+                   "leave out --engine reference, repair the solids, or leave out the contours");
 }
 
 /// Consecutive layers that are cut together, and what is left to do to write them.

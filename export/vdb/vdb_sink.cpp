@@ -341,7 +341,7 @@ class VdbSink final : public LayerSink {
     MixedRowReader reader(info_);
     for (const auto& [slice, layer] : mixed_) {
       for (std::size_t row = 0; row < layer.raster.rows(); ++row) {
-        reader.read(layer, row, [&](const MixedRun& run) {
+        reader.read(layer.raster, row, [&](const MixedRun& run) {
           if (run.materials.size() < 2) return;
           const openvdb::Coord first(static_cast<int>(run.pixels.begin), static_cast<int>(row),
                                      static_cast<int>(slice));

@@ -80,7 +80,9 @@ class Assembler {
     result_.area += loop.area;
     double chord_error = chord_error_;
     for (int i = 0; i <= kRefinements; ++i, chord_error *= 0.25) {
-      loop.points = polygon(arcs, chord_error);
+      Polygon made = polygon(arcs, chord_error);
+      loop.points = std::move(made.points);
+      loop.curves = curves_of(made.sources);
       if (loop.points.size() > 2 && (polygon_area(loop.points) > 0.0) == (loop.area > 0.0)) break;
     }
     // Two chords to and fro.
@@ -90,7 +92,7 @@ class Assembler {
   }
 
   void add_open(const std::vector<std::uint32_t>& arcs) {
-    std::vector<Vec2> points = polygon(arcs, chord_error_);
+    std::vector<Vec2> points = polygon(arcs, chord_error_).points;
     const Vec2 begin = section_.arcs[arcs.front()].begin;
     const Vec2 end = section_.arcs[arcs.back()].end;
     if (points.empty() || points.back() != end) points.push_back(end);
@@ -101,31 +103,102 @@ class Assembler {
                 "faces that should share an edge there do not; repair the solid or leave it out");
   }
 
-  std::vector<Vec2> polygon(const std::vector<std::uint32_t>& arcs, double chord_error) const {
+  /// What the side behind a point is a chord of: nothing, a piece, or the ellipse of an arc.
+  struct Source {
+    static constexpr std::uint32_t kNone = ~0U;
+    std::uint32_t arc = kNone;
+    std::uint32_t piece = kNone;  ///< none of an ellipse
+
+    bool operator==(const Source&) const = default;
+  };
+  struct Polygon {
     std::vector<Vec2> points;
-    for (const std::uint32_t i : arcs) append_arc(section_.arcs[i], chord_error, points);
-    points.erase(std::unique(points.begin(), points.end()), points.end());
-    while (points.size() > 1 && points.back() == points.front()) points.pop_back();
-    return points;
+    std::vector<Source> sources;  ///< of the side behind each point
+
+    void add(const Vec2& point, const Source& source) {
+      points.push_back(point);
+      sources.push_back(source);
+    }
+  };
+
+  Polygon polygon(const std::vector<std::uint32_t>& arcs, double chord_error) const {
+    Polygon all;
+    for (const std::uint32_t i : arcs) append_arc(i, chord_error, all);
+    // Of equal points the last one's side is the one with a length.
+    Polygon kept;
+    for (std::size_t i = 0; i < all.points.size(); ++i) {
+      if (!kept.points.empty() && kept.points.back() == all.points[i]) {
+        kept.sources.back() = all.sources[i];
+      } else {
+        kept.add(all.points[i], all.sources[i]);
+      }
+    }
+    while (kept.points.size() > 1 && kept.points.back() == kept.points.front()) {
+      kept.points.pop_back();
+      kept.sources.pop_back();
+    }
+    return kept;
   }
 
   /// The arc's points but the node where it ends.
-  void append_arc(const SectionArc& arc, double chord_error, std::vector<Vec2>& points) const {
-    points.push_back(arc.begin);
-    if (arc.piece_count == 0) return;
+  void append_arc(std::uint32_t index, double chord_error, Polygon& out) const {
+    const SectionArc& arc = section_.arcs[index];
+    if (arc.piece_count == 0) {
+      out.add(arc.begin, {});
+      return;
+    }
+    const auto source = [&](std::uint32_t piece) {
+      const bool is_line = chord_distance(section_.pieces[arc.first_piece + piece], 0.0, 1.0) <= kLeastChordError;
+      if (arc.straight || arc.doubtful || is_line) return Source();
+      return Source{index, arc.round < 0 ? arc.first_piece + piece : Source::kNone};
+    };
     const Vec2 first = section_.pieces[arc.first_piece].at(0.0);
     const Vec2 last = section_.pieces[arc.first_piece + arc.piece_count - 1].at(1.0);
     const double gap = (first - arc.begin).norm();
     const double last_gap = (last - arc.end).norm();
     const double spared = kSparedGap * chord_error;
-    if (gap > spared) points.push_back(first);
+    out.add(arc.begin, gap > spared ? Source() : source(0));
+    if (gap > spared) out.add(first, source(0));
     const double moved = std::max(gap > spared ? 0.0 : gap, last_gap > spared ? 0.0 : last_gap);
+    std::vector<Vec2> within;
     for (std::uint32_t i = 0; i < arc.piece_count; ++i) {
       const ArcPiece& piece = section_.pieces[arc.first_piece + i];
-      if (i > 0) points.push_back(piece.at(0.0));
-      flatten(piece, chord_error - moved, points);
+      if (i > 0) out.add(piece.at(0.0), source(i));
+      within.clear();
+      flatten(piece, chord_error - moved, within);
+      for (const Vec2& point : within) out.add(point, source(i));
     }
-    if (last_gap > spared) points.push_back(last);
+    if (last_gap > spared) out.add(last, {});
+  }
+
+  /// Sides of one source as one curve.
+  [[nodiscard]] std::vector<ContourCurve> curves_of(const std::vector<Source>& sources) const {
+    std::vector<ContourCurve> curves;
+    for (std::size_t i = 0; i < sources.size(); ++i) {
+      if (sources[i].arc == Source::kNone) continue;
+      if (i == 0 || sources[i] != sources[i - 1]) {
+        curves.push_back(curve_of(sources[i]));
+        curves.back().first_side = i;
+      }
+      ++curves.back().sides;
+    }
+    return curves;
+  }
+
+  [[nodiscard]] ContourCurve curve_of(const Source& source) const {
+    ContourCurve curve;
+    if (source.piece != Source::kNone) {
+      const ArcPiece& piece = section_.pieces[source.piece];
+      std::copy(piece.x.begin(), piece.x.end(), curve.numbers.begin());
+      std::copy(piece.y.begin(), piece.y.end(), curve.numbers.begin() + 6);
+      return curve;
+    }
+    const EllipseArc& arc = section_.ellipses[static_cast<std::size_t>(section_.arcs[source.arc].round)];
+    const PlaneEllipse& e = arc.ellipse;
+    curve.kind = CurveKind::ellipse;
+    curve.numbers = {e.center.x(), e.center.y(), e.cosine.x(), e.cosine.y(),
+                     e.sine.x(),   e.sine.y(),   arc.begin,    arc.sweep};
+    return curve;
   }
 
   void report(const ArcChains& chains) {

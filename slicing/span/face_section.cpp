@@ -96,10 +96,9 @@ void FaceSection::cut_round(double z, NodeTable& nodes, Section& out) {
       arc.begin = arc.ellipse.angle_of(section_arc.begin);
       arc.sweep = family.turn * follow_sweep(family, z, nodes);
     }
-    if (limits_.ellipses) {
-      section_arc.ellipse = static_cast<std::int32_t>(out.ellipses.size());
-      out.ellipses.push_back(arc);
-    } else {
+    (limits_.ellipses ? section_arc.ellipse : section_arc.round) = static_cast<std::int32_t>(out.ellipses.size());
+    out.ellipses.push_back(arc);
+    if (!limits_.ellipses) {
       append_pieces(arc, limits_.tolerance, out.pieces);
       section_arc.piece_count = static_cast<std::uint32_t>(out.pieces.size()) - section_arc.first_piece;
     }

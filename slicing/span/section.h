@@ -20,6 +20,7 @@ struct SectionArc {
   bool straight = false;      ///< one piece of degree 1
   bool doubtful = false;      ///< could not be traced: a chord stands in
   std::int32_t ellipse = -1;  ///< index in Section::ellipses of an arc without pieces
+  std::int32_t round = -1;    ///< index in Section::ellipses of what the pieces stand for, if they stand for one
   /// The face's outward normal in the nodes, its horizontal part, found without the arc: z x n runs along it. Zero
   /// where there is none to compare with.
   Vec2 begin_normal = Vec2::Zero();

@@ -82,7 +82,7 @@ struct SolidSpans {
 void append_loops(const SectionContours& section, LayerContours& out) {
   const auto first = static_cast<std::int32_t>(out.loops.size());
   for (const SectionLoop& loop : section.loops) {
-    out.add({section.solid, loop.parent < 0 ? -1 : first + loop.parent, loop.area}, loop.points);
+    out.add({section.solid, loop.parent < 0 ? -1 : first + loop.parent, loop.area}, loop.points, loop.curves);
   }
 }
 

@@ -20,9 +20,10 @@ struct SpanOptions {
 
 /// One closed loop of an exact section, material on its left: outer loops run counterclockwise, holes clockwise.
 struct SectionLoop {
-  std::vector<Vec2> points;  ///< mm; a polygon within the chord error asked for, the last point joins the first
-  double area = 0.0;         ///< mm^2, of the exact loop: positive for outer loops, negative for holes
-  std::int32_t parent = -1;  ///< the smallest loop of the other kind around it, by index; -1 if there is none
+  std::vector<Vec2> points;          ///< mm; a polygon within the chord error asked for, the last point joins the first
+  double area = 0.0;                 ///< mm^2, of the exact loop: positive for outer loops, negative for holes
+  std::int32_t parent = -1;          ///< the smallest loop of the other kind around it, by index; -1 if there is none
+  std::vector<ContourCurve> curves;  ///< that sides of the polygon are chords of, sides counted in this loop
 };
 
 /// The section of one solid at one height.

@@ -22,6 +22,7 @@ struct MixtureEntry {
 struct ContourEntry {
   std::uint64_t loops = 0;
   std::uint64_t points = 0;
+  std::uint64_t curves = 0;
 };
 
 /// Where one layer is in the store and what it must look like.

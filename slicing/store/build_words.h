@@ -17,6 +17,7 @@ inline constexpr std::string_view kPlainVersion = "1";
 inline constexpr std::string_view kGradedVersion = "1.1";
 inline constexpr std::string_view kContourVersion = "1.2";  ///< with contours, graded or not
 inline constexpr std::string_view kTurnedVersion = "1.3";   ///< turned before it was sliced
+inline constexpr std::string_view kCurvesVersion = "1.4";   ///< with the curves of contours, turned or not
 
 /// Numbers of graded segments, knots and fractions of a layer's lattices.
 inline constexpr std::array<const char*, 3> kMixtureNames{"graded_segments", "knots", "fractions"};

@@ -56,6 +56,12 @@ void put_contours(DigestStream& stream, const LayerContours& contours) {
   }
   stream.put(std::span(contours.point_start));
   stream.put(std::span(contours.points));
+  for (const ContourCurve& curve : contours.curves) {
+    stream.put(curve.first_side);
+    stream.put(curve.sides);
+    stream.put(static_cast<std::uint32_t>(curve.kind));
+    stream.put(std::span<const double>(curve.numbers));
+  }
 }
 
 }  // namespace

@@ -145,10 +145,24 @@ class Packer {
     put(pack("point_start", ElementType::u64, "1", contours.point_start, std::identity()));
     put(pack("x", ElementType::f64, "mm", points, [](const Vec2& point) { return point.x(); }));
     put(pack("y", ElementType::f64, "mm", points, [](const Vec2& point) { return point.y(); }));
+    if (!contours.curves.empty()) pack(contours.curves, packed);
     return packed;
   }
 
  private:
+  void pack(const std::vector<ContourCurve>& curves, PackedRows& packed) {
+    const auto column = [&](const char* name, ElementType type, const auto& value) {
+      packed.push_back(pack(name, type, "1", curves, value));
+    };
+    column("curve_side", ElementType::u64, [](const ContourCurve& curve) { return curve.first_side; });
+    column("curve_sides", ElementType::u64, [](const ContourCurve& curve) { return curve.sides; });
+    column("curve_kind", ElementType::u32,
+           [](const ContourCurve& curve) { return static_cast<std::uint32_t>(curve.kind); });
+    std::vector<double> numbers;
+    for (const ContourCurve& curve : curves) numbers.insert(numbers.end(), curve.numbers.begin(), curve.numbers.end());
+    packed.push_back(pack("curve_numbers", ElementType::f64, "mm, rad", numbers, std::identity()));
+  }
+
   void pack(const Mixtures& mixtures, PackedRows& packed) {
     const auto whole = [&](const char* name, ElementType type, const char* unit, const auto& values) {
       packed.push_back(pack(name, type, unit, values, std::identity()));

@@ -170,8 +170,12 @@ void read_plan(const XmlElement& parent, BuildInfo& info) {
         HatchLattice{positive(*element, "spacing"), element->number("angle"), element->number("rotation")};
   }
   if (const auto element = parent.child("contours")) {
-    element->allow_only({"chord_error"}, {});
+    element->allow_only({"chord_error", "curves"}, {});
     info.plan.chord_error = positive(*element, "chord_error");
+    if (element->has("curves")) {
+      if (element->attribute("curves") != "true") refuse(*element, "curves can only be true");
+      info.plan.curves = true;
+    }
   }
 }
 
@@ -182,8 +186,8 @@ MixtureEntry read_mixtures(const XmlElement& element, const std::array<const cha
 
 void read_layer(const XmlElement& element, BuildFile& build) {
   element.allow_only({"index", "z_bottom", "z_sample", "z_top", "segments", "hatch_rows", "hatch_segments", "loops",
-                      "points", "sha256", kMixtureNames[0], kMixtureNames[1], kMixtureNames[2], kHatchMixtureNames[0],
-                      kHatchMixtureNames[1], kHatchMixtureNames[2]},
+                      "points", "curves", "sha256", kMixtureNames[0], kMixtureNames[1], kMixtureNames[2],
+                      kHatchMixtureNames[0], kHatchMixtureNames[1], kHatchMixtureNames[2]},
                      {});
   if (count(element, "index") != build.layers.size()) refuse(element, "layers must count up from 0");
   const LayerSpan span{element.number("z_bottom"), element.number("z_sample"), element.number("z_top")};
@@ -202,9 +206,11 @@ void read_layer(const XmlElement& element, BuildFile& build) {
     refuse(element, "hatch rows disagree with the plan");
   if (element.has("loops") != build.info.plan.chord_error.has_value())
     refuse(element, "contours disagree with the plan");
-  if (element.has("loops"))
-    entry.contours =
-        ContourEntry{count(element, "loops", std::numeric_limits<std::int32_t>::max()), count(element, "points")};
+  if (element.has("curves") && !build.info.plan.curves) refuse(element, "curves disagree with the plan");
+  if (element.has("loops")) {
+    entry.contours = {count(element, "loops", std::numeric_limits<std::int32_t>::max()), count(element, "points"),
+                      element.has("curves") ? count(element, "curves") : 0};
+  }
   entry.mixtures = read_mixtures(element, kMixtureNames);
   if (entry.has_hatch) entry.hatch_mixtures = read_mixtures(element, kHatchMixtureNames);
   entry.sha256 = digest(element);
@@ -338,8 +344,8 @@ void check_header(const XmlElement& root) {
   root.allow_only({"version", "complete", "length_unit", "angle_unit", "mass_unit"},
                   {"sources", "materials", "solids", "orientation", "plan", "layers", "report"});
   const std::string version = root.attribute("version");
-  const bool is_known =
-      version == kPlainVersion || version == kGradedVersion || version == kContourVersion || version == kTurnedVersion;
+  const bool is_known = version == kPlainVersion || version == kGradedVersion || version == kContourVersion ||
+                        version == kTurnedVersion || version == kCurvesVersion;
   if (root.attribute_or("xmlns", "") != kBuildNamespace || !is_known) {
     refuse(root, "this is not version 1 of the build format", "read it with the version of Lamella that wrote it");
   }

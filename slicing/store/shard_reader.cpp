@@ -1,6 +1,8 @@
 #include "slicing/store/shard_reader.h"
 
+#include <algorithm>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "core/error.h"
@@ -145,6 +147,21 @@ HatchRows read_hatch(const Place& layer, const LayerEntry& entry, double byte_li
   return hatch;
 }
 
+void read_curves(const Place& contours, std::uint64_t count, double byte_limit, std::vector<ContourCurve>& out) {
+  constexpr std::size_t kNumbers = std::tuple_size_v<decltype(ContourCurve::numbers)>;
+  if (count == 0) return;
+  const auto first = read_array<std::uint64_t>(contours, "curve_side", H5T_STD_U64LE, count, byte_limit);
+  const auto sides = read_array<std::uint64_t>(contours, "curve_sides", H5T_STD_U64LE, count, byte_limit);
+  const auto kind = read_array<std::uint32_t>(contours, "curve_kind", H5T_STD_U32LE, count, byte_limit);
+  const auto numbers = read_array<double>(contours, "curve_numbers", H5T_IEEE_F64LE, count * kNumbers, byte_limit);
+  out.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (kind[i] > static_cast<std::uint32_t>(CurveKind::quintic)) refuse(contours.where, "a curve of unknown kind");
+    out[i] = {first[i], sides[i], static_cast<CurveKind>(kind[i]), {}};
+    std::copy_n(numbers.begin() + static_cast<std::ptrdiff_t>(i * kNumbers), kNumbers, out[i].numbers.begin());
+  }
+}
+
 LayerContours read_contours(const Place& layer, const ContourEntry& entry, double byte_limit) {
   const hdf5::Group group = open_group(layer, "contours");
   const Place place{group.id(), layer.where + "/contours"};
@@ -158,6 +175,7 @@ LayerContours read_contours(const Place& layer, const ContourEntry& entry, doubl
   const auto y = read_array<double>(place, "y", H5T_IEEE_F64LE, entry.points, byte_limit);
   contours.points.reserve(entry.points);
   for (std::size_t i = 0; i < entry.points; ++i) contours.points.emplace_back(x[i], y[i]);
+  read_curves(place, entry.curves, byte_limit, contours.curves);
   return contours;
 }
 

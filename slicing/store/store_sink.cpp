@@ -82,7 +82,9 @@ class StoreSink final : public LayerSink {
       entry.hatch_segments = layer.hatch->rows.segments.size();
       entry.hatch_mixtures = describe(layer.hatch->rows.mixtures);
     }
-    if (layer.contours) entry.contours = {layer.contours->loops.size(), layer.contours->points.size()};
+    if (layer.contours) {
+      entry.contours = {layer.contours->loops.size(), layer.contours->points.size(), layer.contours->curves.size()};
+    }
     entry.sha256 = digest_of(layer);
     return entry;
   }

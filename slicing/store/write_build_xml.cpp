@@ -71,7 +71,11 @@ void write_plan(XmlWriter& xml, const BuildInfo& info) {
     xml.start("hatch").attribute("spacing", info.plan.hatch->spacing).attribute("angle", info.plan.hatch->angle);
     xml.attribute("rotation", info.plan.hatch->rotation).end();
   }
-  if (info.plan.chord_error) xml.start("contours").attribute("chord_error", *info.plan.chord_error).end();
+  if (info.plan.chord_error) {
+    xml.start("contours").attribute("chord_error", *info.plan.chord_error);
+    if (info.plan.curves) xml.attribute("curves", "true");
+    xml.end();
+  }
   xml.end();
 }
 
@@ -87,6 +91,7 @@ void write_layer(XmlWriter& xml, std::size_t index, const LayerSpan& span, const
     xml.attribute("hatch_rows", entry.hatch_rows).attribute("hatch_segments", entry.hatch_segments);
   }
   if (entry.contours) xml.attribute("loops", entry.contours->loops).attribute("points", entry.contours->points);
+  if (entry.contours && entry.contours->curves > 0) xml.attribute("curves", entry.contours->curves);
   write_mixtures(xml, kMixtureNames, entry.mixtures);
   write_mixtures(xml, kHatchMixtureNames, entry.hatch_mixtures);
   xml.attribute("sha256", entry.sha256).end();
@@ -166,6 +171,7 @@ void write_turn(XmlWriter& xml, const std::optional<Mat3>& turn) {
 
 std::string_view version_of(const BuildFile& build) {
   const BuildInfo& info = build.info;
+  if (info.plan.curves) return kCurvesVersion;
   if (info.turn) return kTurnedVersion;
   if (info.plan.chord_error) return kContourVersion;
   return is_graded(info) ? kGradedVersion : kPlainVersion;

@@ -16,7 +16,9 @@ class Export : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new TemporaryFolder;
-    std::string command = "slice " + boxes() + " --pitch 1 --layer-height 2 -o " + quoted(*folder_ / "build");
+    // A build keeps no lines but those in the middle of pixels, so with more of them coverage would differ.
+    std::string command =
+        "slice " + boxes() + " --pitch 1 --layer-height 2 --coverage-rows 1 -o " + quoted(*folder_ / "build");
     for (const char* format : kFormats) command += " --" + std::string(format) + " " + quoted(*folder_ / format);
     const CommandResult result = run_lamella(command);
     ASSERT_EQ(result.exit_code, 0) << result.errors;
@@ -49,6 +51,18 @@ TEST_F(Export, GivesTheBytesThatSliceWrote) {
                                                             : folder() / format;
       EXPECT_EQ(contents(path), contents(first)) << path;
     }
+  }
+}
+
+TEST_F(Export, CoverageOfMoreLinesNeedsSlicing) {
+  const CommandResult result =
+      run_lamella("export " + build() + " --to png-coverage --coverage-rows 8 -o " + quoted(folder() / "more-lines"));
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.errors, HasSubstr("slice with --png-coverage"));
+  for (const char* wrong : {"0", "2.5", "65"}) {
+    const CommandResult refused = run_lamella("slice " + boxes() + " --png-coverage " +
+                                              quoted(folder() / "more-lines") + " --coverage-rows " + wrong);
+    EXPECT_EQ(refused.exit_code, 1) << wrong;
   }
 }
 

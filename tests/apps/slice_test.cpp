@@ -247,6 +247,16 @@ TEST(Slice, AnOpenSolidIsLeftOutAndNamedWithExitCodeThree) {
   EXPECT_TRUE(std::filesystem::exists(folder / "build/build.xml"));
 }
 
+TEST(Slice, ContoursOfOpenSolidsAreMissingAndSaidToBe) {
+  const TemporaryFolder folder;
+  const std::string model = write_open_boxes(folder / "open.step", false);
+  const CommandResult result =
+      run_lamella("slice " + model + kCoarse + "--allow-open --step " + quoted(folder / "layers.step") + " --json");
+  EXPECT_EQ(result.exit_code, 3) << result.errors;
+  EXPECT_THAT(result.errors, HasSubstr("no contours: the solid is open"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "layers.step"));
+}
+
 TEST(Slice, OnlyOpenSolidsIsExitCodeTwoAndWritesNothing) {
   const TemporaryFolder folder;
   const std::string model = write_open_boxes(folder / "open.step", true);

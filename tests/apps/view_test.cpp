@@ -30,6 +30,13 @@ class View : public ::testing::Test {
   static inline TemporaryFolder* folder_ = nullptr;
 };
 
+TEST_F(View, HatchesOfABuildWithoutAreRefused) {
+  const CommandResult result = view("hatched.html", "--hatches");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.errors, HasSubstr("slice with --hatch-spacing"));
+  EXPECT_FALSE(std::filesystem::exists(place("hatched.html")));
+}
+
 TEST_F(View, SaysWhatItWroteAsExportDoes) {
   const CommandResult result = view("view.html", "--json");
   ASSERT_EQ(result.exit_code, 0) << result.errors;

@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 
 #include "export/grey_png_stack.h"
+#include "slicing/slicer.h"
 #include "tests/export/read_png.h"
 #include "tests/support/command.h"
 #include "tests/support/layers.h"
+#include "tests/support/solids.h"
 
 namespace lamella::test {
 namespace {
@@ -76,6 +78,54 @@ TEST(PngCoverage, EachPixelIsThePartOfItsWidthThatTheMaterialCovers) {
   }
   const CommandResult check = run_command("pngcheck " + quoted(folder / "out") + "/*/*.png");
   EXPECT_EQ(check.exit_code, 0) << check.output;
+}
+
+/// Sum of a stack's shares times a pixel's area, mm^2.
+double covered_area(const std::filesystem::path& file, const Grid& grid) {
+  const PngPicture picture = read_png(file);
+  double sum = 0.0;
+  for (std::int64_t j = 0; j < grid.size[1]; ++j)
+    for (std::int64_t i = 0; i < grid.size[0]; ++i) sum += picture.at16(i, j);
+  return sum / 65535.0 * grid.pitch.x() * grid.pitch.y();
+}
+
+/// Slices the tilted box and the cylinder of the test solids at one height, `lines` to a row of pixels.
+double largest_area_error(int lines) {
+  Scene scene;
+  const auto tilted = Placement::turned(Vec3(0, 0, 1), 0.3, Vec3(0.013, 0.027, 0));
+  add_box(scene, Vec3(-4, -3, -2), Vec3(4, 3, 2), {tilted, "box", "", {}});
+  add_cylinder(scene, 2.7, 4.0, {Placement::turned(Vec3(0, 0, 1), 0.0, Vec3(20.1, 0.4, -2)), "rod", "", {}});
+  const auto measures = measure_solids(scene);
+  MaterialTable table;
+  Box3 bounds;
+  for (const SolidId solid : scene.solids.ids()) {
+    table.materials.push_back({"m" + std::to_string(solid.value()), 1.0, {}});
+    table.assignments.push_back({MaterialId{solid.value()}, 0, ""});
+    bounds.extend(measures[solid].bounds);
+  }
+  PlanOptions options;
+  options.pitch = Vec2(0.4, 0.7);
+  options.layer_height = 4.0;
+  options.sub_rows = lines > 1 ? lines : 0;
+  const LayerPlan plan = plan_layers(bounds, options);
+  const TemporaryFolder folder;
+  const auto sink = make_coverage_png_sink(folder / "out", 16);
+  (void)slice(scene, table, measures, plan, {}, *sink);
+  const double box = covered_area(folder / "out/m0/layer_000000.png", plan.grid);
+  const double rod = covered_area(folder / "out/m1/layer_000000.png", plan.grid);
+  return std::max(std::abs(box - 48.0), std::abs(rod - kPi * 2.7 * 2.7));
+}
+
+TEST(PngCoverage, SumsToTheSectionsAreaTheCloserTheMoreLinesARowHas) {
+  // Midpoint sums of lines: the error of a tilted side is of order 1 / lines^2, that of a circle's top 1 / lines^1.5.
+  const double one = largest_area_error(1);
+  const double four = largest_area_error(4);
+  const double sixteen = largest_area_error(16);
+  const double most = largest_area_error(64);
+  EXPECT_GT(one, 0.02);
+  EXPECT_LT(four, 0.3 * one);
+  EXPECT_LT(sixteen, 0.3 * four);
+  EXPECT_LT(most, 0.002);  // grey has 65535 steps: 800 pixels' rounding and 1 / 64^1.5
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <fstream>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -154,6 +155,50 @@ TEST(Sl1, EachMaterialIsAnArchiveOfMasks) {
   ASSERT_NE(at, std::string::npos);
   EXPECT_NEAR(std::stod(about.substr(at + 13)), static_cast<double>(counts[0]) * pixel, 1e-12);
   EXPECT_EQ(run_command("unzip -tq " + quoted(folder / "out/soft.sl1")).exit_code, 0);
+}
+
+/// What the pictures of an L show in the corners and middles of its box, row by row.
+std::string nine_places(const std::string& labels, std::size_t width, std::size_t height) {
+  std::string out;
+  for (const std::size_t row : {std::size_t{0}, height / 2, height - 1}) {
+    for (const std::size_t column : {std::size_t{0}, width / 2, width - 1})
+      out += labels[row * width + column] != 0 ? '#' : '.';
+    out += ' ';
+  }
+  return out;
+}
+
+TEST(Sl1, PicturesLieAsPrusaSlicersDo) {
+  // As PrusaSlicer 2.5.0 wrote an L with the long arm along x and the short one along y, by --export-sla on a display
+  // of 1000 x 800 pixels with these settings of --display-orientation, -mirror-x and -mirror-y.
+  struct Fact {
+    Sl1Display display;
+    const char* shown;
+  };
+  const Fact facts[] = {{{false, false, false}, "#.. #.. ### "}, {{false, false, true}, "### #.. #.. "},
+                        {{false, true, false}, "..# ..# ### "},  {{false, true, true}, "### ..# ..# "},
+                        {{true, false, false}, "..# ..# ### "},  {{true, false, true}, "### ..# ..# "},
+                        {{true, true, false}, "#.. #.. ### "},   {{true, true, true}, "### #.. #.. "}};
+  Grid grid = printer_grid();
+  grid.size = {50, 30, 2};
+  const BuildInfo info = make_build(grid, {"hard", "soft"});
+  const auto label = [&](std::int64_t i, std::int64_t j, std::int64_t k) { return l_shape_label(grid, i, j, k); };
+  const std::vector<Layer> layers{layer_of_labels(info, 0, label), layer_of_labels(info, 1, label)};
+  for (const auto& [display, shown] : facts) {
+    const TemporaryFolder folder;
+    feed(*make_sl1_sink(folder / "out", {.display = display}), info, layers);
+    std::string labels;
+    const std::string about = read_with_python("sl1", folder / "out", info, labels);
+    EXPECT_THAT(about, HasSubstr(display.is_portrait ? "L 30 50 2\n" : "L 50 30 2\n"));
+    EXPECT_THAT(about,
+                HasSubstr(display.is_portrait ? "display_orientation portrait" : "display_orientation landscape"));
+    EXPECT_THAT(about, HasSubstr(display.mirror_x ? "display_mirror_x 1" : "display_mirror_x 0"));
+    EXPECT_THAT(about, HasSubstr(display.mirror_y ? "display_mirror_y 1" : "display_mirror_y 0"));
+    EXPECT_THAT(about, HasSubstr("display_pixels_x 50\n"));  // of the machine's x, as PrusaSlicer states it
+    const std::string top = labels.substr(labels.size() / 2);
+    EXPECT_EQ(display.is_portrait ? nine_places(top, 30, 50) : nine_places(top, 50, 30), shown);
+    EXPECT_EQ(std::count(top.begin(), top.end(), '\0'), 50 * 30 - 12 * 30 - 38 * 7);  // the L is whole
+  }
 }
 
 TEST(Sl1, ThickerLayersAreRepeatedAndTheBytesAreAlwaysTheSame) {

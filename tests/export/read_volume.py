@@ -65,7 +65,11 @@ def read_nrrd():
 
 
 def read_mhd():
-    head = dict(line.split(" = ") for line in path.read_text().splitlines())
+    lines = [line.split(" = ", 1) for line in path.read_text().splitlines()]
+    head = dict(lines)
+    # The data's name ends a header; what is unknown to a reader of the format's family is skipped by lines of 500 bytes.
+    assert lines[-1][0] == "ElementDataFile" and all(len(" = ".join(line).encode()) < 500 for line in lines)
+    names = [head[f"Material{label}"] for label in range(1, 1 + sum(k.startswith("Material") for k in head))]
     data = (path.parent / head["ElementDataFile"]).read_bytes()
     if head["CompressedData"] == "True":
         assert int(head["CompressedDataSize"]) == len(data)
@@ -74,7 +78,7 @@ def read_mhd():
     show("pitch", pitch)
     kind = {"MET_UCHAR": numpy.uint8, "MET_USHORT": numpy.uint16}[head["ElementType"]]
     labels = numpy.frombuffer(data, kind).reshape([int(v) for v in head["DimSize"].split()][::-1])
-    return labels, [float(c) - p / 2 for c, p in zip(head["Offset"].split(), pitch)], []
+    return labels, [float(c) - p / 2 for c, p in zip(head["Offset"].split(), pitch)], names
 
 
 def read_vti():

@@ -276,6 +276,23 @@ TEST_F(VectorFormat, StepIsReadByGmshAndHasEveryOutline) {
   expect_judged("check_step.py", "a.step");
 }
 
+TEST_F(VectorFormat, StepOfCurvesIsReadByGmshAndHasEveryCurveAndHatch) {
+  slice("overmoulded_grip",
+        "--layer-height 4 --pitch 0.8 --hatch-spacing 1.5 --hatch-angle 30 --curves --contours 0.1");
+  EXPECT_EQ(export_to("step", "a.step", "--step-hatches").exit_code, 0);
+  expect_judged("check_step_curves.py", "a.step");
+  slice("interpenetrating_bodies",
+        "--layer-height 1.3 --pitch 0.3 --hatch-spacing 1 --curves --step-hatches --step " + quoted(path("b.step")));
+  expect_judged("check_step_curves.py", "b.step");
+}
+
+TEST_F(VectorFormat, StepHatchesNeedHatchRows) {
+  slice("nested_spheres", "--layer-height 4 --pitch 1 --contours");
+  const CommandResult run = export_to("step", "a.step", "--step-hatches");
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.errors, ::testing::HasSubstr("--hatch-spacing"));
+}
+
 TEST_F(VectorFormat, StepOfALayerRangeHasItsOwnLayers) {
   slice("interpenetrating_bodies", "--layer-height 1 --pitch 0.3 --contours 0.002");
   EXPECT_EQ(export_to("step", "a.step", "--layers 2:9").exit_code, 0);

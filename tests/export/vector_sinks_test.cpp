@@ -30,10 +30,13 @@ struct Sink {
   bool needs_contours;
 };
 
-const std::vector<Sink> kSinks{
-    {"svg", make_svg_sink, true},  {"cli", make_cli_sink, false}, {"cli-binary", make_binary_cli_sink, false},
-    {"slc", make_slc_sink, true},  {"3mf", make_3mf_sink, true},  {"vtp", make_vtp_sink, false},
-    {"step", make_step_sink, true}};
+const std::vector<Sink> kSinks{{"svg", make_svg_sink, true},
+                               {"cli", make_cli_sink, false},
+                               {"cli-binary", make_binary_cli_sink, false},
+                               {"slc", make_slc_sink, true},
+                               {"3mf", make_3mf_sink, true},
+                               {"vtp", make_vtp_sink, false},
+                               {"step", [](const auto& path) { return make_step_sink(path); }, true}};
 
 /// Two layers of two solids that overlap, with names that every format has to escape in its own way.
 struct Sample {

@@ -62,6 +62,22 @@ TEST(ViewScale, CodesAreOffByLessThanOneOfTheirUnits) {
   }
 }
 
+TEST(HatchScale, CodesOfAllOfTheLatticeFitAndAreFine) {
+  for (const double origin : {0.0, -3.0, 1e6}) {
+    const Grid grid = grid_of(origin, 0.25, 1000);
+    const HatchScale scale(grid);
+    for (double angle = 0.0; angle < 6.3; angle += 0.37) {
+      const Vec2 along(std::cos(angle), std::sin(angle));
+      for (const Vec2& corner :
+           {Vec2(origin, -1.0), Vec2(origin + 250.0, -1.0), Vec2(origin, 1.0), Vec2(origin + 250.0, 1.0)}) {
+        const std::int64_t code = scale.code(corner.dot(along), along);
+        EXPECT_LE(std::abs(code), std::int64_t{1} << 23);
+        EXPECT_NEAR(static_cast<double>(code) * scale.unit + scale.centre.dot(along), corner.dot(along), 1e-5);
+      }
+    }
+  }
+}
+
 TEST(ViewScale, WideLatticesHaveFewerBitsAndStillFit) {
   for (const std::int64_t width :
        {std::int64_t{1}, std::int64_t{32767}, std::int64_t{40000}, std::int64_t{0x7FFFFFFF}}) {
@@ -80,7 +96,7 @@ TEST(ViewScale, WideLatticesHaveFewerBitsAndStillFit) {
 class ViewPage : public ::testing::Test {
  protected:
   std::string write(const BuildInfo& info, std::uint32_t every, const std::vector<Layer>& layers) {
-    const auto sink = make_view_sink(folder_ / "view.html", every);
+    const auto sink = make_view_sink(folder_ / "view.html", {.every = every});
     sink->begin(info);
     for (const Layer& layer : layers) sink->write(layer);
     SliceReport report;
@@ -125,14 +141,14 @@ TEST_F(ViewPage, HasTheRotationOfABuildThatWasTurned) {
 TEST_F(ViewPage, EveryNthLayerOnly) {
   const BuildInfo info = make_build(grid_of(0.0, 0.1, 8), {"a", "b"});
   EXPECT_THAT(write(info, 2, layers_of(info)), HasSubstr("\"planned\":5,\"index\":[0,2,4]"));
-  EXPECT_THROW((void)make_view_sink(folder_ / "x.html", 0), UsageError);
+  EXPECT_THROW((void)make_view_sink(folder_ / "x.html", {.every = 0}), UsageError);
 }
 
 TEST_F(ViewPage, TooManyRowsAreRefusedWithAHintAndLeaveNothing) {
   Grid grid = grid_of(0.0, 0.1, 8);
   grid.size = {8, 4'000'000, 11};
   const BuildInfo info = make_build(grid, {"a"});
-  const auto sink = make_view_sink(folder_ / "view.html", 1);
+  const auto sink = make_view_sink(folder_ / "view.html");
   sink->begin(info);
   for (std::int64_t k = 0; k < 11; ++k) {
     Layer layer = make_layer(info, k);

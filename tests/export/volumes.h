@@ -110,7 +110,7 @@ inline const std::vector<VolumeFormat> kFormats = {
      },
      true, false},
     {"nrrd", "a.seg.nrrd", make_nrrd_sink, true, true},
-    {"mhd", "a.mhd", make_mhd_sink, false, true},
+    {"mhd", "a.mhd", make_mhd_sink, true, true},
     {"vti", "a.vti", make_vti_sink, true, true},
 };
 

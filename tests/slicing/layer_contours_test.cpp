@@ -4,6 +4,7 @@
 #include <cmath>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <map>
 
 #include "core/error.h"
 #include "slicing/contour_findings.h"
@@ -147,6 +148,41 @@ TEST(Contours, AreRefusedWhereTheEngineCanMakeNone) {
   }
 }
 
+TEST(Contours, OpenSolidsHaveNoneAndAreNamedWhereTheyAreSliced) {
+  Tray tray(true);
+  Tray closed(true);
+  const SolidId open{3};  // a ball in a box
+  tray.scene.solids[open].info.status = SolidStatus::open;
+  tray.scene.solids[open].info.closed = false;
+  SliceOptions options;
+  options.allow_open = true;
+  test::CollectingSink sink;
+  const SliceReport report = slice(tray.scene, tray.table, tray.measures, tray.plan(), options, sink);
+  test::CollectingSink all;
+  closed.slice_into(all);
+  std::size_t rows = 0;
+  std::size_t others = 0;
+  for (std::size_t k = 0; k < sink.layers.size(); ++k) {
+    for (const Segment& segment : sink.layers[k].raster.segments) rows += segment.solid == open ? 1 : 0;
+    std::size_t left = 0;
+    for (const ContourLoop& loop : all.layers[k].contours->loops) left += loop.solid == open ? 0 : 1;
+    ASSERT_EQ(sink.layers[k].contours->loops.size(), left) << k;
+    for (const ContourLoop& loop : sink.layers[k].contours->loops) EXPECT_NE(loop.solid, open);
+    others += left;
+  }
+  EXPECT_GT(rows, 50U);
+  EXPECT_GT(others, sink.layers.size());
+  EXPECT_FALSE(report.within_budget());
+  std::size_t named = 0;
+  for (const Finding& finding : report.findings) {
+    if (finding.what.find("no contours") == std::string::npos) continue;
+    EXPECT_EQ(finding.solid, "/s3");
+    EXPECT_THAT(finding.what, HasSubstr("more"));
+    ++named;
+  }
+  EXPECT_EQ(named, 1U);
+}
+
 LayerContours sample_contours() {
   LayerContours contours;
   contours.add({SolidId{0}, -1, 16.0}, std::vector<Vec2>{{0, 0}, {4, 0}, {4, 4}, {0, 4}});
@@ -210,6 +246,99 @@ TEST(Contours, ThatAreMalformedAreNamed) {
   EXPECT_THAT(fault_of([](LayerContours& c) { c.point_start[1] = 2; }), HasSubstr("three"));
   EXPECT_THAT(fault_of([](LayerContours& c) { c.point_start[1] = 12; }), HasSubstr("order"));
   EXPECT_THAT(fault_of([](LayerContours& c) { c.points.pop_back(); }), HasSubstr("order"));
+}
+
+Vec2 point_at(const ContourCurve& curve, double t) {
+  const auto& n = curve.numbers;
+  if (curve.kind == CurveKind::ellipse) {
+    const double angle = n[6] + t * n[7];
+    return Vec2(n[0], n[1]) + std::cos(angle) * Vec2(n[2], n[3]) + std::sin(angle) * Vec2(n[4], n[5]);
+  }
+  Vec2 at = Vec2::Zero();
+  for (int k = 5; k >= 0; --k) at = at * t + Vec2(n[static_cast<std::size_t>(k)], n[static_cast<std::size_t>(k) + 6]);
+  return at;
+}
+
+TEST(Contours, KeepCurvesThatTheirCornersLieOnWhenAsked) {
+  const Tray tray(true);
+  LayerPlan plan = tray.plan();
+  test::CollectingSink without;
+  tray.slice_into(without);
+  plan.curves = true;
+  test::CollectingSink sink;
+  (void)slice(tray.scene, tray.table, tray.measures, plan, {}, sink);
+  std::map<CurveKind, std::size_t> found;
+  for (std::size_t k = 0; k < sink.layers.size(); ++k) {
+    const LayerContours& contours = *sink.layers[k].contours;
+    EXPECT_EQ(contours.points, without.layers[k].contours->points);
+    EXPECT_TRUE(without.layers[k].contours->curves.empty());
+    const double z = sink.layers[k].z_sample;
+    for (std::size_t loop = 0; loop < contours.loops.size(); ++loop) {
+      const auto polygon = contours.polygon(loop);
+      for (const ContourCurve& curve : contours.curves_of(loop)) {
+        ++found[curve.kind];
+        EXPECT_LT((point_at(curve, 0.0) - polygon[curve.first_side]).norm(), 1e-6);
+        EXPECT_LT((point_at(curve, 1.0) - polygon[(curve.first_side + curve.sides) % polygon.size()]).norm(), 1e-6);
+        if (contours.loops[loop].solid.value() % 2 == 0) continue;
+        // A ball's: everywhere, not only in the corners, at the distance of its radius from its centre.
+        const Box3& bounds = tray.measures[contours.loops[loop].solid].bounds;
+        const Vec3 centre = bounds.center();
+        for (double t = 0.0; t <= 1.0; t += 0.125) {
+          const Vec2 at = point_at(curve, t);
+          EXPECT_NEAR((Vec3(at.x(), at.y(), z) - centre).norm(), 2.0, 1e-9) << k;
+        }
+      }
+    }
+  }
+  EXPECT_GT(found[CurveKind::ellipse], sink.layers.size());
+  EXPECT_GT(found[CurveKind::quintic], sink.layers.size());
+}
+
+LayerContours sample_with_curves() {
+  LayerContours contours;
+  const std::vector<ContourCurve> curves{{0, 2, CurveKind::ellipse, {1, 2, 3, 0, 0, 1.0 / 3.0, 0.1, -6.0}},
+                                         {3, 1, CurveKind::quintic, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 1e-300}}};
+  contours.add({SolidId{0}, -1, 16.0}, std::vector<Vec2>{{0, 0}, {4, 0}, {4, 4}, {0, 4}}, curves);
+  contours.add({SolidId{0}, 0, -1.0}, std::vector<Vec2>{{1, 1}, {1, 2}, {2, 2}, {2, 1}});
+  contours.add({SolidId{1}, -1, 16.0}, std::vector<Vec2>{{0, 0}, {4, 0}, {4, 4}, {0, 4}}, curves);
+  return contours;
+}
+
+TEST(Contours, CurvesComeBackFromTheStoreBitForBit) {
+  test::Sample sample = test::make_sample(3);
+  sample.info.plan.chord_error = 0.5;
+  sample.info.plan.curves = true;
+  for (Layer& layer : sample.layers) layer.contours.emplace();
+  sample.layers[1].contours = sample_with_curves();
+  const test::TemporaryFolder folder;
+  test::write_sample(sample, folder / "build");
+  EXPECT_THAT(test::read_file(folder / "build" / "build.xml"), HasSubstr("version=\"1.4\""));
+  EXPECT_EQ(std::system(("xmllint --nonet --noout --schema '" + (test::source_dir() / "schemas/build.xsd").string() +
+                         "' '" + (folder / "build" / "build.xml").string() + "' 2>/dev/null")
+                            .c_str()),
+            0);
+  const StoreReader reader(folder / "build");
+  EXPECT_TRUE(reader.info().plan.curves);
+  for (std::uint32_t k = 0; k < 3; ++k) EXPECT_EQ(reader.read_layer(k), sample.layers[k]) << k;
+}
+
+TEST(Contours, CurvesThatAreMalformedAreNamed) {
+  const test::Sample sample = test::make_sample(1);
+  const LayerLimits limits = make_layer_limits(60, sample.info.materials, 3);
+  Layer good = sample.layers[0];
+  good.contours = sample_with_curves();
+  EXPECT_EQ(find_layer_fault(good, limits), std::nullopt);
+  const auto fault_of = [&](const auto& spoil) {
+    Layer layer = good;
+    spoil(layer.contours->curves);
+    return find_layer_fault(layer, limits).value_or("none");
+  };
+  using Curves = std::vector<ContourCurve>;
+  EXPECT_THAT(fault_of([](Curves& c) { c[1].first_side = 1; }), HasSubstr("order"));
+  EXPECT_THAT(fault_of([](Curves& c) { c[1].sides = 2; }), HasSubstr("order"));
+  EXPECT_THAT(fault_of([](Curves& c) { c[0].sides = 0; }), HasSubstr("order"));
+  EXPECT_THAT(fault_of([](Curves& c) { c[3].first_side = 12; }), HasSubstr("order"));
+  EXPECT_THAT(fault_of([](Curves& c) { c[0].numbers[4] = std::nan(""); }), HasSubstr("finite"));
 }
 
 TEST(Contours, FaultsAreNamedOnceEach) {

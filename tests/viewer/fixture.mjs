@@ -134,6 +134,19 @@ export function prepare() {
       view('grip', 'grip.html');
       run('export', place('grip'), '--to', 'png-indexed', '-o', place('grip-png'));
       grip.pictures = readPictures('pictures', place('grip-png'));
+      slice('interpenetrating_bodies', 'hatched', [
+        '--pitch',
+        '0.5',
+        '--layer-height',
+        '0.5',
+        '--hatch-spacing',
+        '1.1',
+        '--hatch-angle',
+        '20',
+        '--rotate-per-layer',
+        '67',
+      ]);
+      view('hatched', 'hatched.html', '--hatches');
       slice('gradient_lens', 'lens', ['--pitch', '0.5', '--layer-height', '1'], 'graded.xml');
       view('lens', 'lens.html');
       browser = await startBrowser();

@@ -131,6 +131,40 @@ describe('keys and pointer', () => {
       await page.waitForFunction((k) => window.lamella.places.xy === k, start);
     }));
 
+  test('two fingers zoom and move what lies under them', () =>
+    onPage(
+      'grip.html',
+      async (page) => {
+        const [a, b] = [await screenPlace(page, 90, 30), await screenPlace(page, 130, 34)];
+        const touch = await page.context().newCDPSession(page);
+        const send = (type, ...points) =>
+          touch.send('Input.dispatchTouchEvent', { type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
+        const before = await page.evaluate(() => window.lamella.plane.window.across);
+        await send('touchStart', a);
+        await send('touchStart', a, b);
+        const moved = (k) => [
+          [a[0] - 12 * k, a[1] - 3 * k],
+          [b[0] + 18 * k, b[1] + 5 * k],
+        ];
+        for (let k = 1; k <= 5; ++k) await send('touchMove', ...moved(k));
+        await settled(page);
+        const [wantedA, wantedB] = moved(5);
+        const spread = (p, q) => Math.hypot(p[0] - q[0], p[1] - q[1]);
+        const scale = await page.evaluate(() => window.lamella.plane.window.across);
+        assert.ok(Math.abs(scale / before / (spread(wantedA, wantedB) / spread(a, b)) - 1) < 1e-3, `${scale / before}`);
+        // Scale and place have three numbers for two fingers' four: they turned by less than a degree.
+        const middle = (p, q) => [(p[0] + q[0]) / 2, (p[1] + q[1]) / 2];
+        assert.ok(spread(await screenPlace(page, 110, 32), middle(wantedA, wantedB)) < 3);
+        await send('touchEnd', wantedA);
+        await send('touchMove', [wantedA[0] + 20, wantedA[1]]);
+        await settled(page);
+        assert.equal(await page.evaluate(() => window.lamella.plane.window.across), scale);
+        await send('touchEnd');
+        assert.equal(await page.evaluate(() => window.lamella.plane.pointers.size), 0);
+      },
+      { hasTouch: true },
+    ));
+
   test('dragging moves the picture', () =>
     onPage('grip.html', async (page) => {
       const [x, y] = await screenPlace(page, 100, 30);
@@ -140,6 +174,72 @@ describe('keys and pointer', () => {
       await page.mouse.up();
       const now = await screenPlace(page, 100, 30);
       assert.ok(Math.hypot(now[0] - x - 40, now[1] - y + 25) < 1);
+    }));
+});
+
+describe('rows as lines', () => {
+  const zoomTo = (page, scale) =>
+    page.evaluate((wanted) => {
+      const { plane } = window.lamella;
+      plane.fit();
+      plane.zoomBy(wanted / plane.window.across);
+    }, scale);
+  const drawn = async (page) => {
+    await settled(page);
+    return page.evaluate(() => window.lamella.plane.rowsDrawn);
+  };
+
+  test('raster rows are drawn once they can be told apart', () =>
+    onPage('grip.html', async (page) => {
+      await goTo(page, 35);
+      assert.equal(await page.locator('#rows option').count(), 2); // the page holds no hatch
+      await page.locator('#rows').selectOption('raster');
+      await zoomTo(page, 3);
+      assert.equal(await drawn(page), 0);
+      await zoomTo(page, 4.01);
+      const all = await drawn(page);
+      const { width, left } = await page.evaluate(() => {
+        const { plane } = window.lamella;
+        return { width: plane.overlay.width / plane.window.across, left: plane.window.left };
+      });
+      const origin = grip.report.grid.origin[0];
+      const seen = read('segments', place('grip'), '35')
+        .flat()
+        .filter(([begin, end]) => (end - origin) / kPitch > left && (begin - origin) / kPitch < left + width);
+      assert.ok(Math.abs(all - seen.length) <= 2 && all > 100, `${all} of ${seen.length}`);
+      await page.locator('#plane').focus();
+      await page.keyboard.press('r');
+      assert.equal(await page.locator('#rows').inputValue(), 'none');
+      assert.equal(await drawn(page), 0);
+    }));
+
+  test('hatch rows lie where those of the build do', () =>
+    onPage('hatched.html', async (page) => {
+      let compared = 0;
+      for (const layer of [3, 17, 30]) {
+        await goTo(page, layer);
+        const wanted = read('hatch', place('hatched'), `${layer}`);
+        const told = await page.evaluate((k) => {
+          const { build } = window.lamella;
+          const { rows, row0, count, along, offset, place } = build.peekHatch(k);
+          const at = (s, row) => [s * along[0] - offset(row) * along[1], s * along[1] + offset(row) * along[0]];
+          const lines = [];
+          for (let row = 0; row < count; ++row)
+            for (let i = rows.rowStart[row0 + row]; i < rows.rowStart[row0 + row + 1]; ++i)
+              lines.push([...at(place(rows.begin[i]), row), ...at(place(rows.end[i]), row), rows.material[i]]);
+          return lines;
+        }, layer);
+        assert.equal(told.length, wanted.length);
+        told.forEach((line, n) =>
+          line.forEach((value, i) => assert.ok(Math.abs(value - wanted[n][i]) < 1e-5, `${layer} ${n} ${i}`)),
+        );
+        compared += told.length;
+      }
+      assert.ok(compared > 100, `${compared}`);
+      await goTo(page, 17);
+      await page.locator('#rows').selectOption('hatch');
+      await zoomTo(page, 4);
+      assert.equal(await drawn(page), read('hatch', place('hatched'), '17').length); // all of it is in sight
     }));
 });
 
@@ -197,6 +297,48 @@ describe('charts and report', () => {
       },
       { colorScheme: 'light' },
     ));
+});
+
+describe('marks', () => {
+  test('lie where the solids of an overlap meet', () =>
+    onPage('grip.html', async (page) => {
+      await goTo(page, 35);
+      const found = await page.evaluate(() => {
+        const { plane } = window.lamella;
+        return [...plane.meetings].map(([mark, { ends, sides }]) => ({
+          solids: mark.solids,
+          box: mark.box,
+          ends,
+          sides,
+        }));
+      });
+      const rows = read('segments', place('grip'), '35');
+      const [x0, y0] = grip.report.grid.origin;
+      const codes = 2 ** (await page.evaluate(() => window.lamella.build.grid.bits));
+      let checked = 0;
+      for (const { solids, box, ends, sides } of found) {
+        const isPair = (a, b) => solids.includes(a) && solids.includes(b) && a !== b;
+        const wanted = rows.flatMap((row, j) =>
+          row.slice(1).flatMap((segment, i) => (isPair(row[i][3], segment[3]) ? [[segment[0], j]] : [])),
+        );
+        assert.equal(ends.length, wanted.length);
+        ends.forEach(([code, low], n) => {
+          const x = x0 + (code / codes + 0.5) * kPitch;
+          assert.ok(Math.abs(x - wanted[n][0]) < 1e-4 && low === wanted[n][1], `${x} ${wanted[n]}`);
+          // The box of the bounds holds what the mark says more precisely.
+          assert.ok(x >= box.low[0] - 1e-4 && x <= box.high[0] + 1e-4);
+          const y = y0 + (low + 0.5) * kPitch;
+          assert.ok(y >= box.low[1] - kPitch && y <= box.high[1] + kPitch);
+        });
+        for (const [row, from, to] of sides) {
+          const middle = x0 + ((from + to) / 2 / codes + 0.5) * kPitch;
+          const at = (j) => rows[j].find(([begin, end]) => begin <= middle && middle < end);
+          assert.ok(isPair(at(row - 1)[3], at(row)[3]), `${row} ${middle}`);
+        }
+        checked += ends.length + sides.length;
+      }
+      assert.ok(checked > 50, `${checked}`);
+    }));
 });
 
 describe('doubts', () => {

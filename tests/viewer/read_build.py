@@ -2,6 +2,7 @@
 
 read_build.py pictures FOLDER OUT     all PNGs as RGBA, one after the other from the top row; prints [count, height, width]
 read_build.py segments BUILD LAYER    prints the rows of a layer as [[begin, end, material, solid], ...]
+read_build.py hatch BUILD LAYER       prints the hatch segments of a layer as [[x0, y0, x1, y1, material], ...], mm
 read_build.py mixed BUILD LAYER OUT   colours of the pixels of a layer, mixtures blended, as RGBA from the top row
 read_build.py areas BUILD             prints the area of each material on each layer, mm^2
 """
@@ -38,6 +39,21 @@ def segments(build, layer):
     data = raster(build, int(layer))
     columns = [data[name].tolist() for name in ("x_begin", "x_end", "material", "solid")]
     print(json.dumps([[[column[i] for column in columns] for i in row] for row in rows_of(data)]))
+
+
+def hatch(build, layer):
+    group = h5py.File(pathlib.Path(build) / "layers.h5")[f"layer_{int(layer):06d}/hatch"]
+    angle, spacing, first = (group.attrs[name] for name in ("angle", "spacing", "first_row"))
+    data = {name: group[name][:] for name in group}
+    along = numpy.array([numpy.cos(angle), numpy.sin(angle)])
+    across = numpy.array([-along[1], along[0]])
+    lines = []
+    for row, numbers in enumerate(rows_of(data)):
+        foot = (first + row + 0.5) * spacing * across
+        for i in numbers:
+            a, b = (data[name][i] * along + foot for name in ("x_begin", "x_end"))
+            lines.append([*a.tolist(), *b.tolist(), int(data["material"][i])])
+    print(json.dumps(lines))
 
 
 class Header:
@@ -91,4 +107,4 @@ def areas(build):
 
 
 if __name__ == "__main__":
-    {"pictures": pictures, "segments": segments, "mixed": mixed, "areas": areas}[sys.argv[1]](*sys.argv[2:])
+    {"pictures": pictures, "segments": segments, "hatch": hatch, "mixed": mixed, "areas": areas}[sys.argv[1]](*sys.argv[2:])

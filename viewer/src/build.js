@@ -99,6 +99,13 @@ function restoreMixtures(columns, sizes, chunk, materials) {
   return { segment, knotStart, x, fractionStart, fraction };
 }
 
+/** Rows of the hatch: as those of the raster, along lines at the layer's angle. */
+function restoreHatch(columns, sizes, materials) {
+  const rowStart = rowStarts(columns.take(sizes.hatch_rows));
+  const ends = restoreEnds(rowStart, columns.take(sizes.hatch_segments), columns.take(sizes.hatch_segments));
+  return { rowStart, ...ends, material: narrowed(columns.take(sizes.hatch_segments), materials) };
+}
+
 /** Layers, rows and segments of one build. Places along x are codes: 2^bits a pixel, 0 at the centre of pixel 0. */
 export class Build {
   constructor(header, chunkTexts) {
@@ -128,6 +135,26 @@ export class Build {
     return chunk?.rowStart ? { chunk, row0: (k - chunk.firstLayer) * this.ny } : null;
   }
 
+  /** The hatch rows of layer k in mm: how they lie, and where each segment is; null where there are none decoded. */
+  peekHatch(k) {
+    const data = this.hatch ? this.peek(k) : null;
+    if (!data) return null;
+    const { spacing, angle, rotation, unit, centre } = this.hatch;
+    const t = angle + this.layers.index[k] * rotation;
+    const along = [Math.cos(t), Math.sin(t)];
+    let row0 = 0;
+    for (let before = data.chunk.firstLayer; before < k; ++before) row0 += this.layers.hatch_rows[before];
+    return {
+      rows: data.chunk.hatch,
+      row0,
+      count: this.layers.hatch_rows[k],
+      along,
+      offset: (row) => (this.layers.hatch_first[k] + row + 0.5) * spacing,
+      place: (code) => code * unit + centre[0] * along[0] + centre[1] * along[1],
+      spacing,
+    };
+  }
+
   async load(k) {
     const c = this.chunkOf[k];
     this.decoded[c] ??= this.decode(c).then((chunk) => {
@@ -146,6 +173,7 @@ export class Build {
     const solid = narrowed(columns.take(sizes.segments), this.solids.length);
     const chunk = { firstLayer: this.firstLayer[c], rowStart, ...ends, material, solid };
     chunk.mixtures = restoreMixtures(columns, sizes, chunk, this.materials);
+    if (this.hatch) chunk.hatch = restoreHatch(columns, sizes, this.materials.length);
     return chunk;
   }
 

@@ -11,6 +11,7 @@ export const kKeys = [
   ['0, 1', 'all of it; one screen pixel for each pixel of the lattice'],
   ['Z, Y, X, V', 'layer xy, cut xz, cut yz through the pointer, voxels in 3D'],
   ['P, M', 'whole pixels instead of exact ends; marks'],
+  ['R', 'on layers: segments as lines, those of the raster rows or of the hatch rows'],
   ['C, F', 'in 3D: the axis that is cut across; keep the other side'],
   ['T', 'dark or light'],
   ['?', 'this list'],
@@ -20,6 +21,7 @@ const kMouse = [
   ['Wheel', 'zoom at the pointer; in 3D nearer or further'],
   ['Shift and wheel, or wheel over the slider', 'next or previous layer'],
   ['Drag', 'move the picture; in 3D turn it, with the right button move it'],
+  ['Two fingers', 'zoom and move the picture'],
   ['Click or drag in a chart', 'show the layer there'],
 ];
 
@@ -32,7 +34,7 @@ export function fillHelp(dialog, build) {
   dialog.replaceChildren(
     node('h2', { id: 'h-keys' }, 'Keys'),
     list(kKeys),
-    node('h2', {}, 'Mouse'),
+    node('h2', {}, 'Mouse and touch'),
     list(kMouse),
     node('p', {}, fineness),
     close,

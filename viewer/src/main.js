@@ -124,6 +124,7 @@ class Page {
       part.hidden = !isVolume;
     });
     document.querySelector('.for-cut').hidden = view === 'xy';
+    document.querySelector('.for-layer').hidden = view !== 'xy';
     if (isVolume) this.openVolume();
     this.go(this.place);
   }
@@ -287,6 +288,12 @@ class Page {
       this.plane.draw();
       this.showVolumeMarks();
     });
+    if (!this.build.hatch) document.querySelector('#rows option[value=hatch]').remove();
+    on('rows', 'change', () => {
+      this.plane.rows = byId('rows').value;
+      this.plane.drawSoon();
+      byId('zoom').textContent = this.zoomText();
+    });
     on('stretch', 'change', () => this.plane.setStretch(Number(byId('stretch').value)));
     on('home', 'click', () => this.volume.home());
     on('clip-axis', 'change', () => {
@@ -352,14 +359,18 @@ class Page {
       p: () => this.toggle('pixels'),
       m: () => this.toggle('marks'),
       f: () => this.toggle('clip-flip'),
-      c: () => this.nextClip(),
+      c: () => this.next('clip-axis'),
+      r: () => {
+        if (this.view === 'xy') this.next('rows');
+      },
       t: () => this.toggleTheme(),
       '?': () => byId('keys').showModal(),
     };
   }
 
-  nextClip() {
-    const select = byId('clip-axis');
+  /** The next choice of a list. */
+  next(id) {
+    const select = byId(id);
     select.selectedIndex = (select.selectedIndex + 1) % select.options.length;
     select.dispatchEvent(new Event('change'));
   }

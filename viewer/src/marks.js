@@ -36,8 +36,8 @@ const kKinds = [
 ];
 
 /**
- * The pairs of the report as boxes in mm. The build says how large an overlap or a gap is and of which solids, not
- * where: it lies somewhere in the box that both solids' bounds share.
+ * The pairs of the report, with boxes in mm. The build says how large an overlap or a gap is and of which solids, not
+ * where: it lies somewhere in the box that both solids' bounds share. meetings() finds more on the rows.
  */
 export function pairMarks(build) {
   const marks = [];
@@ -50,6 +50,7 @@ export function pairMarks(build) {
       marks.push({
         kind,
         word,
+        solids: pair.solids,
         names: [a?.name ?? '?', b?.name ?? '?'],
         volume,
         width,
@@ -68,6 +69,71 @@ export function findingMarks(build) {
     const match = /\blayer (\d+)\b/.exec(finding.what);
     return { ...finding, layer: match ? Number(match[1]) : null };
   });
+}
+
+/** What a cut shows of the rows: [layer, row, low, high], the last two in units of the plane's upward axis. */
+function* rowsOfCut(build, kind, place) {
+  if (kind === 'xy') {
+    for (let row = 0; row < build.ny; ++row) yield [place, row, row, row + 1];
+    return;
+  }
+  for (let k = 0; k < build.count; ++k) {
+    yield [k, place, build.layers.z_bottom[k] - build.zLow, build.zEnd[k] - build.zLow];
+  }
+}
+
+/**
+ * Where solids of a mark's pair meet in a cut: mark -> {ends: [code, low, high], sides: [v, from, to]}, along rows and
+ * from row to row (from layer to layer in cuts). There an overlap ends and what is left of the other solid begins, or a gap
+ * was filled. Ends must touch to a code, or be less than a pixel apart for open gaps. Null while layers aren't decoded.
+ * Of each mark that is drawn.
+ */
+export function meetings(build, kind, place, marks) {
+  const byPair = new Map();
+  const keyOf = (a, b) => Math.min(a, b) * build.solids.length + Math.max(a, b);
+  for (const mark of marks) {
+    if (!mark.box) continue;
+    const key = keyOf(...mark.solids);
+    byPair.set(key, [...(byPair.get(key) ?? []), mark]);
+  }
+  const found = new Map();
+  if (byPair.size === 0) return found;
+  const placesOf = (mark) => {
+    if (!found.has(mark)) found.set(mark, { ends: [], sides: [] });
+    return found.get(mark);
+  };
+  let below = null; // the row before: its chunk and segments
+  for (const [k, row, low, high] of rowsOfCut(build, kind, place)) {
+    const data = build.peek(k);
+    if (!data) return null;
+    const { chunk, row0 } = data;
+    const here = { chunk, first: chunk.rowStart[row0 + row], last: chunk.rowStart[row0 + row + 1] };
+    for (let i = here.first + 1; i < here.last; ++i) {
+      const width = chunk.begin[i] - chunk.end[i - 1];
+      for (const mark of byPair.get(keyOf(chunk.solid[i - 1], chunk.solid[i])) ?? []) {
+        if (mark.kind === 'open' ? width <= 0 || width >= build.one : width > 1) continue;
+        placesOf(mark).ends.push([chunk.begin[i], low, high]);
+      }
+    }
+    for (const [from, to, a, b] of below ? bothOf(below, here) : []) {
+      for (const mark of byPair.get(keyOf(a, b)) ?? []) {
+        if (mark.kind !== 'open') placesOf(mark).sides.push([low, from, to]);
+      }
+    }
+    below = here;
+  }
+  return found;
+}
+
+/** Where two rows both have segments: [from, to, solid of the one, solid of the other], where these differ. */
+function* bothOf(a, b) {
+  for (let i = a.first, j = b.first; i < a.last && j < b.last; ) {
+    const from = Math.max(a.chunk.begin[i], b.chunk.begin[j]);
+    const to = Math.min(a.chunk.end[i], b.chunk.end[j]);
+    if (from < to && a.chunk.solid[i] !== b.chunk.solid[j]) yield [from, to, a.chunk.solid[i], b.chunk.solid[j]];
+    if (a.chunk.end[i] < b.chunk.end[j]) ++i;
+    else ++j;
+  }
 }
 
 /**

@@ -1,7 +1,8 @@
 // What lies over the picture of a cut: rulers in mm, the lattice's border, marks, the pointer and its segment.
 
 import { segmentAt, mm } from './planes.js';
-import { narrowGaps } from './marks.js';
+import { meetings, narrowGaps } from './marks.js';
+import { drawRows } from './rows.js';
 
 const kRuler = { left: 46, bottom: 22 }; // CSS pixels
 const kGridFrom = 10; // canvas pixels a pixel of the lattice, from which its lines are drawn
@@ -42,6 +43,7 @@ export function drawOverlay(view) {
   context.lineWidth = density;
   context.font = `${11 * density}px system-ui, sans-serif`;
   const ink = colors(view.root);
+  view.rowsDrawn = drawRows(view, context, ink, toX, toY);
   drawGrid(view, context, ink);
   drawBorder(view, context, ink);
   if (view.marksShown) drawMarks(view, context, ink);
@@ -94,8 +96,10 @@ function drawMarks(view, context, ink) {
   const { across, up, along } = view.plane;
   const axisNumber = (name) => 'xyz'.indexOf(name);
   const depth = depthOf(view);
+  const met = view.kind === 'yz' ? null : drawMeetings(view, context, ink);
   for (const mark of view.marks) {
-    if (!mark.box) continue;
+    // Where the pair is seen to meet, the box of its bounds says nothing more; but one may have asked for it.
+    if (!mark.box || (met?.has(mark) && !mark.isChosen)) continue;
     const third = axisNumber(along);
     if (depth < mark.box.low[third] || depth > mark.box.high[third]) continue;
     const [a, u] = [axisNumber(across.name), axisNumber(up.name)];
@@ -128,6 +132,35 @@ function drawBox(context, { x, y, width, height }, mark, color, density) {
     context.fillRect(x, y, width, height);
     context.globalAlpha = 1;
   }
+}
+
+/** Lines where solids of a pair meet along rows and from row to row. Returns the marks that have any. */
+function drawMeetings(view, context, ink) {
+  const { build, place, kind } = view;
+  const key = `${kind} ${place}`;
+  if (view.meetingsOf !== key || !view.meetings) {
+    view.meetings = meetings(build, kind, place, view.marks);
+    view.meetingsOf = view.meetings ? key : null;
+  }
+  for (const [mark, { ends, sides }] of view.meetings ?? []) {
+    context.strokeStyle = ink[mark.kind];
+    context.lineWidth = (mark.isChosen ? 4 : 2.5) * view.density;
+    context.beginPath();
+    for (const [code, low, high] of ends) {
+      const x = toX(view, code / build.one + 0.5);
+      const middle = toY(view, (low + high) / 2);
+      const reach = Math.max(1.5 * view.density, (toY(view, low) - toY(view, high)) / 2);
+      context.moveTo(x, middle - reach);
+      context.lineTo(x, middle + reach);
+    }
+    for (const [v, from, to] of sides) {
+      context.moveTo(toX(view, from / build.one + 0.5), toY(view, v));
+      context.lineTo(toX(view, to / build.one + 0.5), toY(view, v));
+    }
+    context.stroke();
+  }
+  context.lineWidth = view.density;
+  return view.meetings;
 }
 
 function drawNarrowGaps(view, context, ink) {

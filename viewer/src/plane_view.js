@@ -15,6 +15,8 @@ export class PlaneView {
     this.overlay = root.querySelector('#overlay');
     this.windows = {};
     this.pixels = false;
+    this.rows = 'none'; // segments as lines: none, raster, hatch
+    this.pointers = new Map(); // that are down, by id, in canvas pixels
     this.stretch = 1; // of z in cuts
     this.marksShown = true;
     this.marks = [];
@@ -124,6 +126,22 @@ export class PlaneView {
     this.draw();
   }
 
+  /** One pointer moves the picture; two keep what is under them where it is, by moving and zooming it. */
+  movePointer(id, at) {
+    const old = this.pointers.get(id);
+    this.pointers.set(id, at);
+    const other = [...this.pointers].find(([key]) => key !== id)?.[1];
+    if (!other) {
+      this.panBy(at.x - old.x, at.y - old.y);
+      return;
+    }
+    const spread = (from) => Math.hypot(from.x - other.x, from.y - other.y);
+    this.panBy((at.x - old.x) / 2, (at.y - old.y) / 2);
+    const least = 8 * this.density; // nearer to each other fingers say nothing of a scale
+    if (spread(old) < least || spread(at) < least) return;
+    this.zoomBy(spread(at) / spread(old), { x: (at.x + other.x) / 2, y: (at.y + other.y) / 2 });
+  }
+
   /** What lies under a place of the canvas, in units of the axes. */
   unitsAt({ x, y }) {
     return { h: this.window.left + x / this.window.across, v: this.window.top - y / this.up };
@@ -204,25 +222,22 @@ export class PlaneView {
     root.addEventListener('pointerdown', (event) => {
       if (event.button > 1) return;
       root.setPointerCapture(event.pointerId);
-      this.drag = canvasPlace(event);
+      this.pointers.set(event.pointerId, canvasPlace(event));
       root.classList.add('dragged');
     });
     root.addEventListener('pointermove', (event) => {
       const at = canvasPlace(event);
-      if (this.drag) {
-        this.panBy(at.x - this.drag.x, at.y - this.drag.y);
-        this.drag = at;
-      }
-      this.setProbe(this.unitsAt(at));
+      if (this.pointers.has(event.pointerId)) this.movePointer(event.pointerId, at);
+      if (this.pointers.size < 2) this.setProbe(this.unitsAt(at));
     });
-    const release = () => {
-      this.drag = null;
-      root.classList.remove('dragged');
+    const release = (event) => {
+      this.pointers.delete(event.pointerId);
+      if (this.pointers.size === 0) root.classList.remove('dragged');
     };
     root.addEventListener('pointerup', release);
     root.addEventListener('pointercancel', release);
     root.addEventListener('pointerleave', () => {
-      if (!this.drag) this.setProbe(null);
+      if (this.pointers.size === 0) this.setProbe(null);
     });
     root.addEventListener(
       'wheel',

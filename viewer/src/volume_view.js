@@ -91,7 +91,9 @@ export class VolumeView {
   refreshTheme() {
     if (!this.scene) return;
     this.scene.remove(...[this.lines, ...(this.labels ?? [])].filter(Boolean));
-    this.ink = getComputedStyle(this.root).getPropertyValue('--ink').trim();
+    const style = getComputedStyle(this.root);
+    this.ink = style.getPropertyValue('--ink').trim();
+    this.paper = style.getPropertyValue('--stage').trim();
     this.lines = this.makeLines();
     this.labels = this.makeLabels();
     this.scene.add(this.lines, ...this.labels);
@@ -143,7 +145,7 @@ export class VolumeView {
       [text[1], [0.35, 1.6], x, y / 2, 0],
       [text[2], [0.5, -0.5], 0, 0, z],
     ].map(([label, anchor, ...at]) => {
-      const sprite = makeLabel(label, this.ink);
+      const sprite = makeLabel(label, this.ink, this.paper);
       sprite.center.set(...anchor);
       sprite.position.set(...at);
       return sprite;
@@ -345,20 +347,26 @@ function boxGeometry(low, high) {
 }
 
 /** As large on the screen from everywhere. */
-function makeLabel(text, ink) {
+function makeLabel(text, ink, paper) {
   const canvas = document.createElement('canvas');
   const context = canvas.getContext('2d');
   const font = '32px system-ui, sans-serif';
   context.font = font;
-  canvas.width = Math.ceil(context.measureText(text).width) + 8;
-  canvas.height = 42;
+  canvas.width = Math.ceil(context.measureText(text).width) + 16;
+  canvas.height = 48;
   context.font = font;
+  // A halo in the colour behind, so that lines of the box don't strike it through.
+  context.strokeStyle = paper;
+  context.lineWidth = 12;
+  context.lineJoin = 'round';
+  context.strokeText(text, 8, 34);
   context.fillStyle = ink;
-  context.fillText(text, 4, 32);
+  context.fillText(text, 8, 34);
   const map = new CanvasTexture(canvas);
   map.colorSpace = SRGBColorSpace;
   const sprite = new Sprite(new SpriteMaterial({ map, transparent: true, sizeAttenuation: false, depthTest: false }));
-  const height = 0.0165;
+  sprite.renderOrder = 1; // over the lines
+  const height = 0.019;
   sprite.scale.set((height * canvas.width) / canvas.height, height, 1);
   return sprite;
 }
