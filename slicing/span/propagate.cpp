@@ -62,6 +62,8 @@ class Carrier {
     for (int pass = 0; !fit_places(); ++pass) {
       if (pass == kMostPasses || !mend() || places_.size() > most) return false;
     }
+    // A point that was overtaken by the end lies beyond it: followed from there a closed section is run through twice.
+    if (was_traced_ && !(std::abs(turn() - carried_turn()) < kPi)) return false;
     take_places();
     return true;
   }
@@ -261,10 +263,32 @@ class Carrier {
     return true;
   }
 
+  /// Angle by which the tangent turns from one point to the next, positive to the left, radians. Exact for pieces,
+  /// which turn by less than pi.
+  [[nodiscard]] static double signed_turn(const SectionPoint& a, const SectionPoint& b) {
+    const double side = a.tangent.x() * b.tangent.y() - a.tangent.y() * b.tangent.x();
+    return std::atan2(side, a.tangent.dot(b.tangent));
+  }
+
+  /// The same along the whole arc: on the new height, and on the last one.
+  [[nodiscard]] double turn() const {
+    double sum = 0.0;
+    for (std::size_t i = 0; i + 1 < places_.size(); ++i)
+      sum += signed_turn(point_of(places_[i]), point_of(places_[i + 1]));
+    return sum;
+  }
+  [[nodiscard]] double carried_turn() const {
+    const std::vector<SectionPoint>& points = carried_.arc.points;
+    double sum = 0.0;
+    for (std::size_t i = 0; i + 1 < points.size(); ++i) sum += signed_turn(points[i], points[i + 1]);
+    return sum;
+  }
+
   /// Has what was traced put behind a place, whose piece is its first one.
   void insert_traced(std::size_t i, const TracedArc& arc) {
     const std::size_t more = arc.pieces.size() - 1;
     std::uint32_t number = add_numbers(more);
+    was_traced_ = true;
     places_[i].traced = static_cast<std::uint32_t>(work_.traced.size());
     places_[i].traced_count = static_cast<std::uint32_t>(more);
     take_piece(arc, 0, places_[i]);
@@ -390,6 +414,7 @@ class Carrier {
   double z_;
   const TraceLimits& limits_;
   bool same_band_;
+  bool was_traced_ = false;
   CarriedArc& carried_;
   std::vector<Place>& places_;
   CarryWork& work_;
