@@ -7,6 +7,7 @@
 #include <cstring>
 #include <functional>
 #include <gtest/gtest.h>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -352,6 +353,82 @@ TEST(Carry, StaysInItsCells) {
   Wall of(creased);
   std::size_t pieces = 0;
   EXPECT_LE(of.follow(2.0, 0.05, 80, pieces), 3e-7);
+}
+
+/// The section of a leaning ring just below its highest point: a loop, a crescent if it leans by little, that shrinks
+/// towards the top. Seeded where it crosses a line v = const.
+class Cap {
+ public:
+  explicit Cap(double angle) {
+    Torus torus{};
+    torus.major_radius = 7.0;
+    torus.minor_radius = 2.5;
+    torus.frame.x = Vec3(std::cos(angle), 0.0, std::sin(angle));
+    torus.frame.z = Vec3(-std::sin(angle), 0.0, std::cos(angle));
+    of_ = torus;
+    surface_.emplace(of_);
+    // The highest point: u = 0, and the normal upright.
+    top_ = Vec2(0.0, 0.5 * kPi - angle);
+    height_ = surface_->evaluate(top_, Cell{}).point.z();
+  }
+
+  [[nodiscard]] double height() const { return height_; }
+
+  /// Where the section at z crosses the line `aside` of the top, on the side of growing u.
+  [[nodiscard]] std::optional<SectionPoint> seed(double z, double aside) const {
+    std::optional<SectionPoint> point = correct(*surface_, Cell{}, top_ + Vec2(0.4, aside), z, 1.0, 1, {20.0});
+    if (point) point = correct(*surface_, Cell{}, point->uv, z, 1.0, 1, {1e-2});
+    if (point) point->z = z;
+    return point;
+  }
+
+  [[nodiscard]] bool trace_from(const SectionPoint& seed, TracedArc& arc) const {
+    return trace(*surface_, 1.0, seed, {&seed, 1}, limits_, arc);
+  }
+  bool carry_to(const SectionPoint& seed, double z, CarriedArc& carried) {
+    return carry(*surface_, 1.0, seed, seed, z, limits_, true, work_, carried);
+  }
+
+ private:
+  Surface of_;
+  std::optional<SectionSurface> surface_;
+  Vec2 top_ = Vec2::Zero();
+  double height_ = 0.0;
+  TraceLimits limits_{1e-7, 5.0};
+  CarryWork work_;
+};
+
+double turn_of(const TracedArc& arc) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i + 1 < arc.points.size(); ++i) {
+    const Vec2& a = arc.points[i].tangent;
+    const Vec2& b = arc.points[i + 1].tangent;
+    sum += std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
+  }
+  return sum;
+}
+
+/// A seed near the tip of its loop overtakes the points beside it, and what is left beyond it must not go round again.
+TEST(Carry, RunsThroughALoopOnce) {
+  int layers = 0;
+  for (const double angle : {0.1, 0.2, 0.324}) {
+    Cap cap(angle);
+    for (int phase = 0; phase < 60; ++phase) {
+      const double step = 0.223 * (angle / 0.324);
+      double below = step * (7.0 + phase / 60.0);
+      auto seed = cap.seed(cap.height() - below, 0.0);
+      CarriedArc carried;
+      if (!seed || !cap.trace_from(*seed, carried.arc)) continue;
+      carried.start(seed->z);
+      while ((below -= step) > 0.0 && (seed = cap.seed(cap.height() - below, 0.0)) &&
+             cap.carry_to(*seed, seed->z, carried)) {
+        ++layers;
+        ASSERT_NEAR(turn_of(carried.arc), kTwoPi, 1e-6)
+            << "leaning by " << angle << ", " << below << " mm below the top";
+      }
+    }
+  }
+  EXPECT_GE(layers, 300);
 }
 
 TEST(CarriedArc, SpeedIsInLengthsOfPieces) {
