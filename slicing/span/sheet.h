@@ -17,7 +17,7 @@ class Sheet {
  public:
   static constexpr int kNodes = 5;
   /// A shorter run is not worth a sheet.
-  static constexpr std::size_t kFewestLayers = 7;
+  static constexpr std::size_t kFewestLayers = 12;
   /// Points that go farther over a run, in lengths of their pieces, are hardly ever met by a polynomial of this degree.
   static constexpr double kFarthest = 4.0;
 
