@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <span>
 
 #include "slicing/span/section_lanes.h"
 
@@ -23,6 +25,10 @@ constexpr MoveLimits kMoveLimits{0.3, 1e3, 4};
 
 /// Between two points a new one is looked for within 0.3 of their distance.
 constexpr MoveLimits kSplitLimits{0.0, 0.3, 4};
+
+/// A point between two pieces of errors below this share of the tolerance is left out: the error is of order six in the
+/// step, so that of both as one is up to 64 times as large.
+constexpr double kIdle = 0.005;
 
 /// How often the pieces that don't hold are divided, and into how many parts at most each time.
 constexpr int kMostPasses = 8;
@@ -55,10 +61,7 @@ class Carrier {
     const std::size_t last = carried_.arc.pieces.size();
     const std::size_t most = 4 * last + 64;
     if (!add_end(0, begin)) return false;
-    for (std::size_t first = 1; first < last; first += kLanes) {
-      if (!add_moved(first, std::min(first + kLanes, last))) return false;
-    }
-    if (!add_end(last, end)) return false;
+    if (!add_inner_points(last) || !add_end(last, end)) return false;
     for (int pass = 0; !fit_places(); ++pass) {
       if (pass == kMostPasses || !mend() || places_.size() > most) return false;
     }
@@ -110,14 +113,40 @@ class Carrier {
     return point.uv_bend.allFinite();
   }
 
-  /// Moves the inner points [first, last), no more than there are lanes.
-  bool add_moved(std::size_t first, std::size_t last) {
+  /// Moves those inner points that are needed.
+  bool add_inner_points(std::size_t last) {
+    std::array<std::size_t, kLanes> numbers;
+    std::size_t count = 0;
+    bool was_idle = false;
+    for (std::size_t i = 1; i < last; ++i) {
+      was_idle = !was_idle && is_idle(i);
+      if (was_idle) continue;
+      numbers[count++] = i;
+      if (count < kLanes) continue;
+      if (!add_moved(numbers)) return false;
+      count = 0;
+    }
+    return count == 0 || add_moved({numbers.data(), count});
+  }
+
+  /// Whether the pieces on both sides of an inner point would do as one.
+  [[nodiscard]] bool is_idle(std::size_t i) const {
+    const TracedArc& arc = carried_.arc;
+    const double most = kIdle * limits_.tolerance;
+    return carried_.errors[i - 1] <= most && carried_.errors[i] <= most && arc.axes[i] < 0 &&
+           arc.cells[i - 1] == arc.cells[i] &&
+           arc.points[i - 1].tangent.dot(arc.points[i + 1].tangent) > std::cos(0.8 * kLargestTurn);
+  }
+
+  /// Moves inner points, no more than there are lanes.
+  bool add_moved(std::span<const std::size_t> numbers) {
     const TracedArc& arc = carried_.arc;
     std::array<MovingPoint, kLanes> moving;
-    for (std::size_t i = first; i < last; ++i) set_out(i, moving[i - first]);
-    move_points(surface_, sign_, z_, kMoveLimits, {moving.data(), last - first});
-    for (std::size_t i = first; i < last; ++i) {
-      const MovingPoint& moved = moving[i - first];
+    for (std::size_t k = 0; k < numbers.size(); ++k) set_out(numbers[k], moving[k]);
+    move_points(surface_, sign_, z_, kMoveLimits, {moving.data(), numbers.size()});
+    for (std::size_t k = 0; k < numbers.size(); ++k) {
+      const std::size_t i = numbers[k];
+      const MovingPoint& moved = moving[k];
       const bool fixed = !(arc.cells[i - 1] == arc.cells[i]);
       if (moved.found && surface_.holds(arc.cells[i], moved.at.uv, arc.axes[i])) {
         Place& place = places_.emplace_back();
@@ -306,6 +335,7 @@ class Carrier {
   void take_piece(const TracedArc& arc, std::size_t k, Place& place) {
     place.cell = arc.cells[k];
     place.fits = true;
+    place.error = limits_.tolerance;
     work_.pieces[place.number] = arc.pieces[k];
   }
 
@@ -393,6 +423,7 @@ class Carrier {
     arc.pieces.resize(points - 1);
     carried_.motions.resize(points);
     carried_.lines.resize(points);
+    carried_.errors.resize(points - 1);
     for (std::size_t i = 0; i < points; ++i) {
       const Place& place = places_[i];
       arc.points[i] = point_of(place);
@@ -402,6 +433,7 @@ class Carrier {
       if (i + 1 == points) break;
       arc.cells[i] = place.cell;
       arc.pieces[i] = work_.pieces[place.number];
+      carried_.errors[i] = place.error;
     }
     arc.landed = true;
     carried_.step_before = carried_.last_step;
@@ -426,6 +458,7 @@ void CarriedArc::start(double height) {
   z = height;
   last_step = step_before = 0.0;
   lines = arc.axes;
+  errors.assign(arc.pieces.size(), std::numeric_limits<double>::infinity());
   const std::size_t last = arc.points.size() - 1;
   for (std::size_t before = 0; before < last;) {
     std::size_t after = before + 1;

@@ -24,8 +24,9 @@ struct CarriedArc {
   /// One a point: 0 or 1 where it keeps to a line u or v = const while z rises, because it lies on a knot or between
   /// points on two such knots, else -1. So what bends within a few knots keeps its points when it moves sideways.
   std::vector<std::int8_t> lines;
-  double last_step = 0.0;    ///< of z, from the layer before; 0 if there was none
-  double step_before = 0.0;  ///< and to that
+  std::vector<double> errors;  ///< one a piece, as measured, mm; infinite where it wasn't since start()
+  double last_step = 0.0;      ///< of z, from the layer before; 0 if there was none
+  double step_before = 0.0;    ///< and to that
 
   [[nodiscard]] bool empty() const { return arc.pieces.empty(); }
   /// Begins with an arc as traced at height z.
