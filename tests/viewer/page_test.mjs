@@ -147,11 +147,15 @@ describe('keys and pointer', () => {
           [b[0] + 18 * k, b[1] + 5 * k],
         ];
         for (let k = 1; k <= 5; ++k) await send('touchMove', ...moved(k));
-        await settled(page);
         const [wantedA, wantedB] = moved(5);
         const spread = (p, q) => Math.hypot(p[0] - q[0], p[1] - q[1]);
+        // On a busy machine the last move comes to the page later than the answer that it was sent.
+        await page.waitForFunction(
+          (wanted) => Math.abs(window.lamella.plane.window.across / wanted - 1) < 1e-3,
+          (before * spread(wantedA, wantedB)) / spread(a, b),
+        );
+        await settled(page);
         const scale = await page.evaluate(() => window.lamella.plane.window.across);
-        assert.ok(Math.abs(scale / before / (spread(wantedA, wantedB) / spread(a, b)) - 1) < 1e-3, `${scale / before}`);
         // Scale and place have three numbers for two fingers' four: they turned by less than a degree.
         const middle = (p, q) => [(p[0] + q[0]) / 2, (p[1] + q[1]) / 2];
         assert.ok(spread(await screenPlace(page, 110, 32), middle(wantedA, wantedB)) < 3);
@@ -160,7 +164,7 @@ describe('keys and pointer', () => {
         await settled(page);
         assert.equal(await page.evaluate(() => window.lamella.plane.window.across), scale);
         await send('touchEnd');
-        assert.equal(await page.evaluate(() => window.lamella.plane.pointers.size), 0);
+        await page.waitForFunction(() => window.lamella.plane.pointers.size === 0);
       },
       { hasTouch: true },
     ));
