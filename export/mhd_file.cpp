@@ -14,6 +14,7 @@
 #include "export/byte_order.h"
 #include "export/deflate_writer.h"
 #include "export/headed_file.h"
+#include "slicing/rotation_words.h"
 
 namespace lamella {
 
@@ -37,12 +38,13 @@ std::string field_text(const std::string& name) {
   return out.empty() ? "-" : out;
 }
 
-/// What labels mean, in fields of our own: MetaIO has none for it.
-std::string names_text(const BuildInfo& info) {
+/// What labels mean and how the assembly was turned, in fields of our own: MetaIO has none for it.
+std::string own_fields(const BuildInfo& info) {
   std::string out = "Comment = Lamella labels: 0 is void, 1 is Material1 and so on\n";
   for (const MaterialId id : info.materials.ids()) {
     out += fmt::format("Material{} = {}\n", 1 + id.value(), field_text(info.materials[id].name));
   }
+  if (info.turn) out += fmt::format("Rotation = {}\n", rotation_text(*info.turn));
   return out;
 }
 
@@ -60,7 +62,7 @@ class MhdFile final : public VolumeFile {
 
   void begin(const BuildInfo& info, const Volume& volume) override {
     volume_ = volume;
-    names_ = names_text(info);
+    own_fields_ = own_fields(info);
     prepare_target(path_);
     data_.emplace(data_path_, 0);
     if (!is_raw_) data_->append("\x78\x01");  // zlib
@@ -97,7 +99,7 @@ class MhdFile final : public VolumeFile {
     out += fmt::format("Offset = {}\nCenterOfRotation = 0 0 0\nElementSpacing = {}\n",
                        vector_text(volume.first_centre()), vector_text(volume.pitch));
     out += fmt::format("DimSize = {} {} {}\n", volume.size[0], volume.size[1], volume.size[2]);
-    out += names_;
+    out += own_fields_;
     out += fmt::format("ElementType = {}\nElementDataFile = {}\n", volume.label_bytes == 1 ? "MET_UCHAR" : "MET_USHORT",
                        data_path_.filename().string());
     return out;
@@ -107,7 +109,7 @@ class MhdFile final : public VolumeFile {
   std::filesystem::path data_path_;
   bool is_raw_;
   Volume volume_;
-  std::string names_;
+  std::string own_fields_;
   std::optional<HeadedFile> data_;
   uLong sum_ = 1;
 };

@@ -70,6 +70,7 @@ def read_mhd():
     # The data's name ends a header; what is unknown to a reader of the format's family is skipped by lines of 500 bytes.
     assert lines[-1][0] == "ElementDataFile" and all(len(" = ".join(line).encode()) < 500 for line in lines)
     names = [head[f"Material{label}"] for label in range(1, 1 + sum(k.startswith("Material") for k in head))]
+    show_rotation([head["Rotation"]] if "Rotation" in head else [])
     data = (path.parent / head["ElementDataFile"]).read_bytes()
     if head["CompressedData"] == "True":
         assert int(head["CompressedDataSize"]) == len(data)
