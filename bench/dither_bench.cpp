@@ -2,12 +2,14 @@
 // the mask takes to make, for some shapes of voxels. Fractions differ from voxel to voxel, in blocks as large as a
 // layer of 1000 rows of 1000 voxels.
 
+#include <algorithm>
 #include <benchmark/benchmark.h>
+#include <cmath>
 #include <random>
 #include <vector>
 
 #include "bench/error_diffusion.h"
-#include "slicing/dither.h"
+#include "slicing/dither_band.h"
 
 namespace lamella {
 namespace {
@@ -24,6 +26,21 @@ std::vector<float> draw_rows(std::size_t materials) {
     float* const voxel = rows.data() + n / kColumns * materials * kColumns + n % kColumns;
     float total = 0.0F;
     for (std::size_t m = 0; m < materials; ++m) total += voxel[m * kColumns] = part(random);
+    for (std::size_t m = 0; m < materials; ++m) voxel[m * kColumns] /= total;
+  }
+  return rows;
+}
+
+/// Slopes askew in the layer: material m has its share where the sine of the place, shifted by m, is large.
+std::vector<float> make_slope(std::size_t materials) {
+  std::vector<float> rows(kRows * materials * kColumns);
+  for (std::size_t n = 0; n < kRows * kColumns; ++n) {
+    float* const voxel = rows.data() + n / kColumns * materials * kColumns + n % kColumns;
+    const double place = 0.008 * static_cast<double>(n % kColumns) + 0.006 * static_cast<double>(n / kColumns);
+    float total = 0.0F;
+    for (std::size_t m = 0; m < materials; ++m) {
+      total += voxel[m * kColumns] = static_cast<float>(1.0 + std::sin(place + static_cast<double>(m)));
+    }
     for (std::size_t m = 0; m < materials; ++m) voxel[m * kColumns] /= total;
   }
   return rows;
@@ -59,6 +76,29 @@ void dither_layer(benchmark::State& state) {
   report(state);
 }
 
+/// Rows, and tiles settled.
+void dither_bands(benchmark::State& state, bool is_slope) {
+  const auto materials = static_cast<std::size_t>(state.range(0));
+  const DitherMask mask(Vec3(0.042, 0.084, 0.027));
+  const std::vector<float> rows = is_slope ? make_slope(materials) : draw_rows(materials);
+  DitherBand band(mask);
+  std::int64_t layer = 0;
+  for (auto _ : state) {
+    for (std::size_t begin = 0; begin < kRows; begin += DitherBand::kRows) {
+      band.begin();
+      for (std::size_t j = begin; j < std::min<std::size_t>(kRows, begin + DitherBand::kRows); ++j) {
+        const std::span<const float> row(rows.data() + j * materials * kColumns, materials * kColumns);
+        band.add(0, {3, static_cast<std::int64_t>(j), layer}, row, kColumns);
+      }
+      band.settle();
+      benchmark::DoNotOptimize(band.chosen(0).data());
+      benchmark::ClobberMemory();
+    }
+    ++layer;
+  }
+  report(state);
+}
+
 void diffuse_layer(benchmark::State& state) {
   const std::vector<float> rows = draw_rows(2);
   std::vector<std::uint8_t> out(kColumns);
@@ -80,6 +120,8 @@ BENCHMARK_CAPTURE(make_mask, rods, 100, 1, 1)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(make_mask, sheets, 1, 1, 100)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(make_mask, needles, 1, 100, 100)->Unit(benchmark::kMillisecond);
 BENCHMARK(dither_layer)->Arg(2)->Arg(3)->Arg(4)->Arg(8)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(dither_bands, slope, true)->Arg(2)->Arg(3)->Arg(4)->Arg(8)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(dither_bands, random, false)->Arg(2)->Arg(4)->Unit(benchmark::kMillisecond);
 BENCHMARK(diffuse_layer)->Unit(benchmark::kMillisecond);
 
 }  // namespace

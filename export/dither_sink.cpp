@@ -1,15 +1,17 @@
 #include "export/dither_sink.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "core/error.h"
 #include "export/build_check.h"
 #include "export/mixed_row.h"
-#include "slicing/dither.h"
+#include "slicing/dither_band.h"
 
 namespace lamella {
 
@@ -17,6 +19,15 @@ namespace {
 
 /// dither_row() tells no more materials apart.
 constexpr std::size_t kMaxComponents = 256;
+
+/// A run of a band of rows, whose materials are chosen when the whole band is known.
+struct BandRun {
+  std::size_t row;
+  PixelRun pixels;
+  SolidId solid;
+  std::span<const MaterialId> materials;
+  std::size_t number;  ///< in the band, if there are several materials
+};
 
 class DitherSink final : public LayerSink {
  public:
@@ -54,32 +65,55 @@ class DitherSink final : public LayerSink {
     out.z_sample = layer.z_sample;
     out.z_top = layer.z_top;
     MixedRowReader reader(info_);
-    std::vector<std::uint8_t> chosen;
-    for (std::size_t row = 0; row < layer.raster.rows(); ++row) {
-      reader.read(layer.raster, row, [&](const MixedRun& run) {
-        chosen.assign(static_cast<std::size_t>(run.pixels.end - run.pixels.begin), 0);
-        if (run.materials.size() > 1) {
-          const VoxelIndex first{run.pixels.begin, static_cast<std::int64_t>(row), layer.index};
-          dither_row(*mask_, first, run.fractions, chosen);
-        }
-        append(run, chosen, out.raster.segments);
-      });
-      out.raster.row_start.push_back(out.raster.segments.size());
+    DitherBand band(*mask_);
+    const std::size_t rows = layer.raster.rows();
+    for (std::size_t begin = 0; begin < rows; begin += DitherBand::kRows) {
+      append_band(reader, layer, begin, std::min(rows, begin + DitherBand::kRows), band, out.raster);
     }
     return out;
   }
 
+  /// Rows [begin, end), which are a band's.
+  void append_band(MixedRowReader& reader, const Layer& layer, std::size_t begin, std::size_t end, DitherBand& band,
+                   SegmentRows& out) const {
+    std::vector<BandRun> runs;
+    band.begin();
+    for (std::size_t row = begin; row < end; ++row) {
+      reader.read(layer.raster, row, [&](const MixedRun& run) {
+        runs.push_back({row, run.pixels, run.solid, run.materials, 0});
+        if (run.materials.size() < 2) return;
+        const VoxelIndex first{run.pixels.begin, static_cast<std::int64_t>(row), layer.index};
+        const auto count = static_cast<std::size_t>(run.pixels.end - run.pixels.begin);
+        runs.back().number = band.add(run.material.value(), first, run.fractions, count);
+      });
+    }
+    band.settle();
+    auto run = runs.begin();
+    for (std::size_t row = begin; row < end; ++row) {
+      for (; run != runs.end() && run->row == row; ++run) append_run(*run, band, out.segments);
+      out.row_start.push_back(out.segments.size());
+    }
+  }
+
   /// One segment for each stretch of one material, from edge to edge of pixels.
-  void append(const MixedRun& run, const std::vector<std::uint8_t>& chosen, std::vector<Segment>& out) const {
+  void append_run(const BandRun& run, const DitherBand& band, std::vector<Segment>& out) const {
     const Grid& grid = info_.plan.grid;
-    const auto edge = [&](std::size_t n) {
-      return grid.origin.x() + static_cast<double>(run.pixels.begin + static_cast<std::int64_t>(n)) * grid.pitch.x();
+    const auto append = [&](std::int64_t begin, std::int64_t end, MaterialId material) {
+      const double x = grid.origin.x();
+      const double pitch = grid.pitch.x();
+      out.push_back({x + static_cast<double>(begin) * pitch, x + static_cast<double>(end) * pitch,
+                     MaterialId{plain_.ids[material.value()]}, run.solid});
     };
+    if (run.materials.size() < 2) {
+      append(run.pixels.begin, run.pixels.end, run.materials.front());
+      return;
+    }
+    const std::span<const std::uint8_t> chosen = band.chosen(run.number);
     for (std::size_t n = 0; n < chosen.size();) {
       const std::size_t begin = n;
       while (n < chosen.size() && chosen[n] == chosen[begin]) ++n;
-      const MaterialId material{plain_.ids[run.materials[chosen[begin]].value()]};
-      out.push_back({edge(begin), edge(n), material, run.solid});
+      append(run.pixels.begin + static_cast<std::int64_t>(begin), run.pixels.begin + static_cast<std::int64_t>(n),
+             run.materials[chosen[begin]]);
     }
   }
 

@@ -17,12 +17,13 @@ void MixedRowReader::read(const SegmentRows& rows, std::size_t row, const std::f
     if (pixels.begin >= pixels.end) continue;
     if (!is_mixed) {
       fractions_.assign(static_cast<std::size_t>(pixels.end - pixels.begin), 1.0F);
-      visit({pixels, segment.solid, segment.x_begin, segment.x_end, std::span(&segment.material, 1), fractions_});
+      visit({pixels, segment.solid, segment.material, segment.x_begin, segment.x_end, std::span(&segment.material, 1),
+             fractions_});
       continue;
     }
     const std::vector<MaterialId>& components = info_.materials[segment.material].components;
     sample(mixtures, mixture, pixels, components.size());
-    visit({pixels, segment.solid, segment.x_begin, segment.x_end, components, fractions_});
+    visit({pixels, segment.solid, segment.material, segment.x_begin, segment.x_end, components, fractions_});
   }
 }
 

@@ -21,6 +21,7 @@ enum class PixelChoice : std::uint8_t {
 struct MixedRun {
   PixelRun pixels;
   SolidId solid;
+  MaterialId material;  ///< of the segment
   double x_begin;  ///< of the segment, mm
   double x_end;
   std::span<const MaterialId> materials;  ///< the components, or the one material of a segment that isn't graded

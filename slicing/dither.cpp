@@ -37,6 +37,12 @@ DitherMask::DitherMask(const Vec3& pitch) {
   thresholds_.reserve(ranks.size());
   // Exact in a float: 16 bits over a power of two.
   for (const std::uint16_t rank : ranks) thresholds_.push_back((static_cast<float>(rank) + 0.5F) / 32768.0F);
+  constexpr std::size_t kLayer = kSide * kSide;
+  for (std::size_t v = 0; v < ranks.size(); ++v) {
+    int below = 0;
+    for (std::size_t w = v % kLayer; w < ranks.size(); w += kLayer) below += ranks[w] < ranks[v] ? 1 : 0;
+    column_ranks_.push_back(static_cast<std::uint8_t>(below));
+  }
 }
 
 void dither_row(const DitherMask& mask, const VoxelIndex& first, std::span<const float> fractions,

@@ -33,11 +33,16 @@ class DitherMask {
   [[nodiscard]] std::span<const float, kSide> row(std::int64_t j, std::int64_t k) const {
     return std::span<const float, kSide>(thresholds_.data() + (index(k) * kSide + index(j)) * kSide, kSide);
   }
+  /// Which of its column's 32 thresholds, that is of all k, this one is: 0 for the least.
+  [[nodiscard]] int rank_in_column(const VoxelIndex& at) const {
+    return column_ranks_[(index(at.k) * kSide + index(at.j)) * kSide + index(at.i)];
+  }
   /// Where `i` lies in its period.
   [[nodiscard]] static std::size_t index(std::int64_t i) { return static_cast<std::size_t>(i) % kSide; }
 
  private:
   std::vector<float> thresholds_;
+  std::vector<std::uint8_t> column_ranks_;
 };
 
 /// Chooses one material for each voxel of a row: the one in whose part of [0, 1] the mask's threshold lies, when the
