@@ -114,15 +114,31 @@ void export_layers(benchmark::State& state, const Sample& sample,
   count_rates(state, sample);
 }
 
+std::size_t count_filled(const Sample& sample) {
+  const RowRaster raster(sample.info.plan.grid);
+  std::vector<LabelRun> runs;
+  std::size_t filled = 0;
+  for (const Layer& layer : sample.layers) {
+    for (std::size_t row = 0; row < layer.raster.rows(); ++row) {
+      runs.clear();
+      raster.append_runs(layer.raster.row(row), runs);
+      for (const LabelRun& run : runs) filled += static_cast<std::size_t>(run.end - run.begin);
+    }
+  }
+  return filled;
+}
+
 /// The grids of a VDB without their file.
-void fill_vdb(benchmark::State& state, const Sample& sample) {
+void fill_vdb(benchmark::State& state, const Sample& sample, const VdbOptions& options) {
   const fs::path target = fs::temp_directory_path() / ("lamella-bench-" + std::to_string(::getpid()));
   for (auto _ : state) {
-    const std::unique_ptr<LayerSink> sink = make_vdb_sink(target);
+    const std::unique_ptr<LayerSink> sink = make_vdb_sink(target, options);
     sink->begin(sample.info);
     for (const Layer& layer : sample.layers) sink->write(layer);
   }
   count_rates(state, sample);
+  state.counters["filled"] = benchmark::Counter(
+      static_cast<double>(state.iterations()) * static_cast<double>(count_filled(sample)), benchmark::Counter::kIsRate);
 }
 
 /// Pictures of labels without their files.
@@ -155,14 +171,15 @@ void register_all(const Sample& sample) {
   const auto add_sink = [&](const char* name, std::unique_ptr<LayerSink> (*make)(const fs::path&)) {
     add(name, [&sample, make](benchmark::State& state) { export_layers(state, sample, make); });
   };
-  for (const int bits : {2, 8}) {
+  for (const int bits : {2, 4, 8}) {
     const std::string name = "encode_" + std::to_string(bits) + "_bits";
     if (sample.info.materials.size() >= (std::size_t{1} << bits)) continue;
     add(name.c_str(), [&sample, bits](benchmark::State& state) { encode_labels(state, sample, bits); });
   }
   add_sink("indexed_png", [](const fs::path& p) { return make_indexed_png_sink(p); });
   add_sink("png_per_material", [](const fs::path& p) { return make_png_sink(p); });
-  add("fill_vdb", [&sample](benchmark::State& state) { fill_vdb(state, sample); });
+  add("fill_vdb", [&sample](benchmark::State& state) { fill_vdb(state, sample, {}); });
+  add("fill_fog", [&sample](benchmark::State& state) { fill_vdb(state, sample, {.density = false, .labels = false}); });
   add_sink("tiff", [](const fs::path& p) { return make_tiff_sink(p); });
   add_sink("nrrd", [](const fs::path& p) { return make_nrrd_sink(p); });
   add_sink("vti", [](const fs::path& p) { return make_vti_sink(p); });
