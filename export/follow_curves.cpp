@@ -1,6 +1,8 @@
 #include "export/follow_curves.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -36,10 +38,23 @@ double polynomial_slope(const double* c, double t) {
 
 }  // namespace
 
+namespace {
+
+/// x, y and weight of a conic's rational Bezier curve at t, or their derivatives.
+Vec3 blend(const std::array<double, 12>& n, double first, double middle, double last) {
+  return first * Vec3(n[0], n[1], 1.0) + middle * n[6] * Vec3(n[2], n[3], 1.0) + last * Vec3(n[4], n[5], 1.0);
+}
+Vec3 conic_at(const std::array<double, 12>& n, double t) {
+  return blend(n, (1.0 - t) * (1.0 - t), 2.0 * t * (1.0 - t), t * t);
+}
+
+}  // namespace
+
 Vec2 CurveCarrier::at(double t) const {
   const auto& n = numbers;
   if (!kind) return {n[0] + t * (n[2] - n[0]), n[1] + t * (n[3] - n[1])};
   if (*kind == CurveKind::quintic) return {polynomial(n.data(), t), polynomial(n.data() + 6, t)};
+  if (*kind == CurveKind::conic) return conic_at(n, t).hnormalized();
   const double angle = n[6] + t * n[7];
   return Vec2(n[0], n[1]) + std::cos(angle) * Vec2(n[2], n[3]) + std::sin(angle) * Vec2(n[4], n[5]);
 }
@@ -48,6 +63,11 @@ Vec2 CurveCarrier::slope(double t) const {
   const auto& n = numbers;
   if (!kind) return {n[2] - n[0], n[3] - n[1]};
   if (*kind == CurveKind::quintic) return {polynomial_slope(n.data(), t), polynomial_slope(n.data() + 6, t)};
+  if (*kind == CurveKind::conic) {
+    const Vec3 value = conic_at(n, t);
+    const Vec3 slope = blend(n, 2.0 * t - 2.0, 2.0 - 4.0 * t, 2.0 * t);
+    return (slope.head<2>() - slope.z() * value.hnormalized()) / value.z();
+  }
   const double angle = n[6] + t * n[7];
   return n[7] * (std::cos(angle) * Vec2(n[4], n[5]) - std::sin(angle) * Vec2(n[2], n[3]));
 }
@@ -63,7 +83,7 @@ double CurveCarrier::nearest(const Vec2& point, double near) const {
     t += std::clamp(step, -0.25, 0.25);
     if (std::abs(step) < 1e-15) break;
   }
-  if (kind == CurveKind::quintic) t = std::clamp(t, 0.0, 1.0);
+  if (kind && *kind != CurveKind::ellipse) t = std::clamp(t, 0.0, 1.0);
   return t;
 }
 

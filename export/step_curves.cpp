@@ -77,6 +77,17 @@ class LoopWriter {
                     step_exact_real(arc.begin), step_exact_real(arc.begin + arc.sweep)));
   }
 
+  StepId rational(const RationalBezier& bezier) {
+    std::vector<StepId> poles;
+    for (const Vec2& pole : bezier.poles) poles.push_back(point(pole));
+    const auto& w = bezier.weights;
+    return entities_.add(
+        fmt::format("(BOUNDED_CURVE()B_SPLINE_CURVE(2,{},.UNSPECIFIED.,.F.,.F.)B_SPLINE_CURVE_WITH_KNOTS((3,3),(0.,1.),"
+                    ".UNSPECIFIED.)"
+                    "CURVE()GEOMETRIC_REPRESENTATION_ITEM()RATIONAL_B_SPLINE_CURVE(({},{},{}))REPRESENTATION_ITEM(''))",
+                    step_list(poles), step_exact_real(w[0]), step_exact_real(w[1]), step_exact_real(w[2])));
+  }
+
   /// Stretches that run smoothly into each other, as one curve with knots of multiplicity 4: spans of
   /// knots are in the ratio of speeds, so that its derivative goes on, and no pole lies where stretches meet. Readers
   /// of OpenCASCADE's family change a curve that has a pole there.
@@ -154,6 +165,22 @@ std::array<Vec2, 6> bezier_of(const CurveStretch& stretch) {
   return poles;
 }
 
+RationalBezier rational_of(const CurveStretch& stretch) {
+  // The blossom of the poles with their weights as a third coordinate.
+  const auto& n = stretch.carrier.numbers;
+  RationalBezier bezier;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double s = i < 2 ? stretch.begin : stretch.end;
+    const double t = i < 1 ? stretch.begin : stretch.end;
+    const double first = (1.0 - s) * (1.0 - t);
+    const double middle = n[6] * (s * (1.0 - t) + t * (1.0 - s));
+    bezier.weights[i] = first + middle + s * t;
+    bezier.poles[i] =
+        (first * Vec2(n[0], n[1]) + middle * Vec2(n[2], n[3]) + s * t * Vec2(n[4], n[5])) / bezier.weights[i];
+  }
+  return bezier;
+}
+
 StepId add_curve_loop(StepEntities& entities, std::span<const CurveStretch> loop, double z, std::string_view name) {
   LoopWriter writer(entities, z);
   if (loop.size() == 1 && loop.front().carrier.kind == CurveKind::ellipse) {
@@ -178,6 +205,9 @@ StepId add_curve_loop(StepEntities& entities, std::span<const CurveStretch> loop
       const Bezier bezier = bezier_of(stretch);
       if (beziers.empty() || !is_smooth(beziers.back(), bezier)) end_curve();
       beziers.push_back(bezier);
+    } else if (*stretch.carrier.kind == CurveKind::conic) {
+      end_curve();
+      add(writer.rational(rational_of(stretch)));
     } else {
       end_curve();
       add(writer.trimmed_conic(conic_of(stretch)));

@@ -86,7 +86,7 @@ struct SubRows {
   bool operator==(const SubRows&) const = default;
 };
 
-enum class CurveKind : std::uint8_t { ellipse, quintic };
+enum class CurveKind : std::uint8_t { ellipse, quintic, conic };
 
 /// The curve that consecutive sides of a loop are chords of. Side i leads from point i to the next of its loop.
 struct ContourCurve {
@@ -96,10 +96,19 @@ struct ContourCurve {
   /// Of an ellipse x and y of the centre, of the radius at angle 0 and of that at pi / 2, mm, then the angle where the
   /// first side begins and the angle swept, radians, of either sign: centre + cos(a) r0 + sin(a) r1; the rest is 0.
   /// Of a quintic the coefficients of x(t), then of y(t), ascending, mm; t runs from 0 to 1.
+  /// Of a conic, as a rational Bezier curve of degree 2, x and y of its three poles, mm, and the weight of the middle
+  /// one, those of the ends being 1; the rest is 0. t runs from 0 to 1.
   std::array<double, 12> numbers{};
 
   /// Moves the curve in its plane.
   void shift(const Vec2& by) {
+    if (kind == CurveKind::conic) {
+      for (std::size_t pole = 0; pole < 3; ++pole) {
+        numbers[2 * pole] += by.x();
+        numbers[2 * pole + 1] += by.y();
+      }
+      return;
+    }
     numbers[0] += by.x();
     numbers[kind == CurveKind::ellipse ? 1 : 6] += by.y();
   }

@@ -84,10 +84,11 @@ std::optional<std::string> find_curve_fault(const LayerContours& contours) {
       return "the sides of curves aren't in order";
     }
     free_side = curve.first_side + curve.sides;
-    if (curve.kind != CurveKind::ellipse && curve.kind != CurveKind::quintic) return "a curve is of no known kind";
+    if (curve.kind > CurveKind::conic) return "a curve is of no known kind";
     for (const double number : curve.numbers) {
       if (!std::isfinite(number)) return "a curve is not finite";
     }
+    if (curve.kind == CurveKind::conic && !(curve.numbers[6] > 0.0)) return "a conic's weight is not positive";
   }
   return std::nullopt;
 }

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "slicing/span/arc_chain.h"
+#include "slicing/span/conic_section.h"
 #include "slicing/span/flatten.h"
 #include "slicing/span/loop_nesting.h"
 #include "slicing/span/quintic.h"
@@ -189,6 +190,13 @@ class Assembler {
     ContourCurve curve;
     if (source.piece != Source::kNone) {
       const ArcPiece& piece = section_.pieces[source.piece];
+      const Surface& surface = scene_.faces[section_.arcs[source.arc].face].surface;
+      if (const std::optional<ConicArc> arc = conic_arc(surface, request_.z, piece)) {
+        curve.kind = CurveKind::conic;
+        curve.numbers = {arc->begin.x(), arc->begin.y(), arc->pole.x(), arc->pole.y(),
+                         arc->end.x(),   arc->end.y(),   arc->weight};
+        return curve;
+      }
       std::copy(piece.x.begin(), piece.x.end(), curve.numbers.begin());
       std::copy(piece.y.begin(), piece.y.end(), curve.numbers.begin() + 6);
       return curve;

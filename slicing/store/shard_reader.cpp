@@ -156,7 +156,7 @@ void read_curves(const Place& contours, std::uint64_t count, double byte_limit, 
   const auto numbers = read_array<double>(contours, "curve_numbers", H5T_IEEE_F64LE, count * kNumbers, byte_limit);
   out.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
-    if (kind[i] > static_cast<std::uint32_t>(CurveKind::quintic)) refuse(contours.where, "a curve of unknown kind");
+    if (kind[i] > static_cast<std::uint32_t>(CurveKind::conic)) refuse(contours.where, "a curve of unknown kind");
     out[i] = {first[i], sides[i], static_cast<CurveKind>(kind[i]), {}};
     std::copy_n(numbers.begin() + static_cast<std::ptrdiff_t>(i * kNumbers), kNumbers, out[i].numbers.begin());
   }

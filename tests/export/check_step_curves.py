@@ -31,7 +31,9 @@ class File:
         return [float(v) for v in re.findall(r"-?\d+\.\d*(?:E-?\d+)?", text)]
 
     def name(self, number):
-        return re.match(r"[A-Z_]+\('((?:[^']|'')*)'", self.entities[number])[1]
+        name = re.match(r"[A-Z_]+\('((?:[^']|'')*)'", self.entities[number])[1]
+        name = re.sub(r"\\X2\\([0-9A-F]+)\\X0\\", lambda hexes: bytes.fromhex(hexes[1]).decode("utf-16-be"), name)
+        return name.replace("''", "'").replace("\\\\", "\\")
 
     def points(self, numbers):
         return np.array([self.numbers(n) for n in numbers])
@@ -70,8 +72,21 @@ def spline_points(file, number):
     return np.concatenate(points)
 
 
+def rational_points(file, number):
+    text = file.entities[number]
+    poles = file.points(re.findall(r"#(\d+)", re.search(r"B_SPLINE_CURVE\(2,\(([^)]*)\)", text)[1]))
+    weights = [float(w) for w in re.search(r"RATIONAL_B_SPLINE_CURVE\(\(([^)]*)\)", text)[1].split(",")]
+    assert len(poles) == len(weights) == 3 and min(weights) > 0.0
+    assert "B_SPLINE_CURVE_WITH_KNOTS((3,3),(0.,1.)," in text
+    t = np.linspace(0.0, 1.0, SAMPLES)[:, None]
+    blend = [(1.0 - t) ** 2 * weights[0], 2.0 * t * (1.0 - t) * weights[1], t**2 * weights[2]]
+    return sum(b * pole for b, pole in zip(blend, poles)) / sum(blend)
+
+
 def curve_points(file, number):
     text = file.entities[number]
+    if text.startswith("(BOUNDED_CURVE()B_SPLINE_CURVE("):
+        return rational_points(file, number)
     if text.startswith("POLYLINE("):
         return file.points(file.references(number))
     if text.startswith(("CIRCLE(", "ELLIPSE(")):
@@ -82,6 +97,10 @@ def curve_points(file, number):
         return conic_points(file, file.references(number)[0], begin, end)
     assert text.startswith("B_SPLINE_CURVE_WITH_KNOTS('',5,"), text
     return spline_points(file, number)
+
+
+def kind_of(text):
+    return "RATIONAL_B_SPLINE_CURVE" if text.startswith("(") else re.match("[A-Z_]+", text)[0]
 
 
 def length(points):
@@ -110,7 +129,8 @@ def hatch_lengths(layer, materials):
     return np.bincount(rows.material, rows.x1 - rows.x0, materials), np.bincount(rows.material, minlength=materials)
 
 
-def read_with_gmsh(path):
+def read_with_gmsh(path, heights):
+    """The lengths of all curves by the height that is nearest: hatches have theirs to 1e-6 only."""
     gmsh.initialize()
     gmsh.option.setNumber("General.Terminal", 0)
     gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
@@ -120,7 +140,7 @@ def read_with_gmsh(path):
     for _, tag in gmsh.model.getEntities(1):
         lo, hi = gmsh.model.getParametrizationBounds(1, tag)
         z = gmsh.model.getValue(1, tag, [lo[0]])[2]
-        found[round(z, 5)].append(gmsh.model.occ.getMass(1, tag))
+        found[min(heights, key=lambda height: abs(height - z))].append(gmsh.model.occ.getMass(1, tag))
     gmsh.finalize()
     return found
 
@@ -138,7 +158,7 @@ def main():
         style, item = file.references(number)
         curve = file.references(style)[0]
         color_of[item] = file.name(file.references(curve)[1])
-    found = read_with_gmsh(sys.argv[2])
+    found = read_with_gmsh(sys.argv[2], [float(layer.z_sample) for layer in build.layers])
     kinds = defaultdict(int)
     compared = 0
     layers = {f"layer {layer.index}": layer for layer in build.layers}
@@ -165,10 +185,10 @@ def main():
                     points = curve_points(file, curve)
                     assert np.all(np.abs(points[:, 2] - layer.z_sample) < 2e-6)
                     lengths.append(length(points))
-                    kinds[re.match("[A-Z_]+", file.entities[curve])[0]] += 1
+                    kinds[kind_of(file.entities[curve])] += 1
         by_build, count = hatch_lengths(layer, materials)
         assert np.array_equal(count, hatch_count) and np.all(np.abs(hatched - by_build) < 2e-6 * (count + 1))
-        by_gmsh = found.pop(round(float(layer.z_sample), 5))
+        by_gmsh = found.pop(float(layer.z_sample))
         assert len(by_gmsh) == len(lengths), (layer.index, len(by_gmsh), len(lengths))
         # Sampled arcs are short by 1e-7 of their length.
         assert np.all(np.abs(np.sort(by_gmsh) - np.sort(lengths)) <= 2e-6 * (1.0 + np.sort(lengths))), layer.index

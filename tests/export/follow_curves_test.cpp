@@ -153,6 +153,53 @@ TEST(StepCurves, ConicsRunAlongTheirStretchesFromItsBeginToItsEnd) {
   }
 }
 
+CurveCarrier random_conic(std::mt19937& random) {
+  std::uniform_real_distribution<double> number(-3.0, 3.0);
+  CurveCarrier conic;
+  conic.kind = CurveKind::conic;
+  for (std::size_t i = 0; i < 6; ++i) conic.numbers[i] = number(random);
+  conic.numbers[6] = std::exp(0.5 * number(random));
+  return conic;
+}
+
+TEST(StepCurves, PolesOfAConicsStretchGiveItsPoints) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> share(0.0, 1.0);
+  for (int n = 0; n < 200; ++n) {
+    const CurveStretch stretch{random_conic(random), share(random), share(random)};
+    const RationalBezier bezier = rational_of(stretch);
+    EXPECT_LT((bezier.poles[0] - stretch.first()).norm(), 1e-12);
+    EXPECT_LT((bezier.poles[2] - stretch.last()).norm(), 1e-12);
+    // Of the same conic: each point is one of the whole's, next to where it is sought.
+    for (double t = 0.0; t <= 1.0; t += 0.125) {
+      const double w0 = (1.0 - t) * (1.0 - t) * bezier.weights[0];
+      const double w1 = 2.0 * t * (1.0 - t) * bezier.weights[1];
+      const double w2 = t * t * bezier.weights[2];
+      const Vec2 at = (w0 * bezier.poles[0] + w1 * bezier.poles[1] + w2 * bezier.poles[2]) / (w0 + w1 + w2);
+      const double begin = std::min(stretch.begin, stretch.end);
+      const double end = std::max(stretch.begin, stretch.end);
+      double nearest = 1e9;
+      for (int i = 0; i <= 64; ++i) {
+        const double near = stretch.carrier.nearest(at, begin + (end - begin) * i / 64.0);
+        if (near > begin - 1e-9 && near < end + 1e-9)
+          nearest = std::min(nearest, (stretch.carrier.at(near) - at).norm());
+      }
+      ASSERT_LT(nearest, 1e-10) << n;
+    }
+  }
+}
+
+TEST(StepCurves, SlopesOfConicsAreTheirDerivatives) {
+  std::mt19937 random(8);
+  for (int n = 0; n < 200; ++n) {
+    const CurveCarrier conic = random_conic(random);
+    for (const double t : {0.0, 0.2, 0.9, 1.0}) {
+      const Vec2 difference = (conic.at(t + 1e-6) - conic.at(t - 1e-6)) / 2e-6;
+      ASSERT_LT((conic.slope(t) - difference).norm(), 1e-5 * (1.0 + difference.norm())) << n;
+    }
+  }
+}
+
 TEST(StepCurves, PolesOfAQuinticsStretchGiveItsPoints) {
   std::mt19937 random(6);
   std::uniform_real_distribution<double> number(-3.0, 3.0);

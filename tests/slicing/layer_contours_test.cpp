@@ -254,6 +254,12 @@ Vec2 point_at(const ContourCurve& curve, double t) {
     const double angle = n[6] + t * n[7];
     return Vec2(n[0], n[1]) + std::cos(angle) * Vec2(n[2], n[3]) + std::sin(angle) * Vec2(n[4], n[5]);
   }
+  if (curve.kind == CurveKind::conic) {
+    const double first = (1.0 - t) * (1.0 - t);
+    const double middle = 2.0 * n[6] * t * (1.0 - t);
+    const Vec2 sum = first * Vec2(n[0], n[1]) + middle * Vec2(n[2], n[3]) + t * t * Vec2(n[4], n[5]);
+    return sum / (first + middle + t * t);
+  }
   Vec2 at = Vec2::Zero();
   for (int k = 5; k >= 0; --k) at = at * t + Vec2(n[static_cast<std::size_t>(k)], n[static_cast<std::size_t>(k) + 6]);
   return at;
@@ -297,6 +303,7 @@ TEST(Contours, KeepCurvesThatTheirCornersLieOnWhenAsked) {
 LayerContours sample_with_curves() {
   LayerContours contours;
   const std::vector<ContourCurve> curves{{0, 2, CurveKind::ellipse, {1, 2, 3, 0, 0, 1.0 / 3.0, 0.1, -6.0}},
+                                         {2, 1, CurveKind::conic, {4, 4, 2, 5, 0, 4, 1.0 / 7.0}},
                                          {3, 1, CurveKind::quintic, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 1e-300}}};
   contours.add({SolidId{0}, -1, 16.0}, std::vector<Vec2>{{0, 0}, {4, 0}, {4, 4}, {0, 4}}, curves);
   contours.add({SolidId{0}, 0, -1.0}, std::vector<Vec2>{{1, 1}, {1, 2}, {2, 2}, {2, 1}});
@@ -322,6 +329,16 @@ TEST(Contours, CurvesComeBackFromTheStoreBitForBit) {
   for (std::uint32_t k = 0; k < 3; ++k) EXPECT_EQ(reader.read_layer(k), sample.layers[k]) << k;
 }
 
+TEST(Contours, CurvesMoveWithTheirLoops) {
+  for (ContourCurve curve : sample_with_curves().curves) {
+    const ContourCurve before = curve;
+    curve.shift({0.25, -3.0});
+    for (const double t : {0.0, 0.4, 1.0}) {
+      EXPECT_LT((point_at(curve, t) - point_at(before, t) - Vec2(0.25, -3.0)).norm(), 1e-14);
+    }
+  }
+}
+
 TEST(Contours, CurvesThatAreMalformedAreNamed) {
   const test::Sample sample = test::make_sample(1);
   const LayerLimits limits = make_layer_limits(60, sample.info.materials, 3);
@@ -339,6 +356,8 @@ TEST(Contours, CurvesThatAreMalformedAreNamed) {
   EXPECT_THAT(fault_of([](Curves& c) { c[0].sides = 0; }), HasSubstr("order"));
   EXPECT_THAT(fault_of([](Curves& c) { c[3].first_side = 12; }), HasSubstr("order"));
   EXPECT_THAT(fault_of([](Curves& c) { c[0].numbers[4] = std::nan(""); }), HasSubstr("finite"));
+  EXPECT_THAT(fault_of([](Curves& c) { c[1].numbers[6] = 0.0; }), HasSubstr("weight"));
+  EXPECT_THAT(fault_of([](Curves& c) { c[1].kind = static_cast<CurveKind>(3); }), HasSubstr("kind"));
 }
 
 TEST(Contours, FaultsAreNamedOnceEach) {
