@@ -14,6 +14,7 @@ import {
   readPictures,
   screenPlace,
   settled,
+  slice,
   view,
 } from './fixture.mjs';
 
@@ -101,6 +102,35 @@ describe('layers', () => {
       assert.equal(compare(await readCanvas(page), grip.pictures, 31).wrong, 0);
     });
   });
+});
+
+describe('the head of the page', () => {
+  test('says how the assembly was turned', () => {
+    const report = slice('connector', 'turned', ['--orient', 'height', '--layer-height', '0.5', '--pitch', '0.2']);
+    view('turned', 'turned.html');
+    return onPage('turned.html', async (page) => {
+      const text = (await page.locator('#facts').textContent()).replaceAll('\u2212', '-');
+      const [, degrees, ...axis] = text.match(/turned by ([\d.]+)\u00B0 about \(([-\d.]+), ([-\d.]+), ([-\d.]+)\)/);
+      // Rodrigues' formula gives the rotation of the report again.
+      const angle = (degrees * Math.PI) / 180;
+      const [c, s] = [Math.cos(angle), Math.sin(angle)];
+      const [x, y, z] = axis.map(Number);
+      const matrix = [
+        [c + x * x * (1 - c), x * y * (1 - c) - z * s, x * z * (1 - c) + y * s],
+        [y * x * (1 - c) + z * s, c + y * y * (1 - c), y * z * (1 - c) - x * s],
+        [z * x * (1 - c) - y * s, z * y * (1 - c) + x * s, c + z * z * (1 - c)],
+      ];
+      for (let row = 0; row < 3; ++row) {
+        for (let column = 0; column < 3; ++column) {
+          assert.ok(Math.abs(matrix[row][column] - report.rotation[row][column]) < 2e-3, text);
+        }
+      }
+    });
+  });
+  test('says nothing of it where nothing was turned', () =>
+    onPage('grip.html', async (page) => {
+      assert.doesNotMatch(await page.locator('#facts').textContent(), /turned/);
+    }));
 });
 
 describe('segments', () => {

@@ -8,6 +8,7 @@ import { findingMarks, pairMarks } from './marks.js';
 import { byId, describe, fillReport, MaterialList, showPoint } from './panel.js';
 import { PlaneView } from './plane_view.js';
 import { mm, planesOf, short } from './planes.js';
+import { turnText } from './turn.js';
 import { VolumeView } from './volume_view.js';
 
 const kTabs = { xy: 'tab-xy', xz: 'tab-xz', yz: 'tab-yz', '3d': 'tab-3d' };
@@ -55,7 +56,7 @@ class Page {
         : `${build.count} of ${build.layers.planned} layers`;
     const thin = build.isThinned ? ' (each stands for those up to the next)' : '';
     byId('facts').textContent =
-      `${shown}${thin} \u00B7 ${size[0]} \u00D7 ${size[1]} pixels of ${short(pitch[0])} \u00D7 ${short(pitch[1])} mm \u00B7 z ${mm(build.zLow)} to ${mm(build.zHigh)} mm`;
+      `${shown}${thin} \u00B7 ${size[0]} \u00D7 ${size[1]} pixels of ${short(pitch[0])} \u00D7 ${short(pitch[1])} mm \u00B7 z ${mm(build.zLow)} to ${mm(build.zHigh)} mm${turnText(build.rotation)}`;
     fillHelp(byId('keys'), build);
     showPoint(byId('point'), null);
   }
