@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 
 namespace lamella::span {
 
@@ -50,12 +51,11 @@ struct DepthKernel {
   BlendFunction blend = nullptr;
   RoundFunction round = nullptr;
   LineFunction line = nullptr;
-  const char* level = "";
 };
 
 /// The best kernel that this machine runs.
 [[nodiscard]] const DepthKernel& depth_kernel();
-/// All kernels that this machine runs, for tests.
-[[nodiscard]] std::size_t depth_kernels(const DepthKernel** kernels);
+/// All kernels that this machine runs, lowest level first, for tests.
+[[nodiscard]] std::span<const DepthKernel> depth_kernels();
 
 }  // namespace lamella::span

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 
 namespace lamella::span {
 
@@ -112,7 +113,7 @@ struct LaneKernel {
 
 /// The best kernel that this machine runs.
 [[nodiscard]] const LaneKernel& lane_kernel();
-/// All kernels that this machine runs, for tests.
-[[nodiscard]] std::size_t lane_kernels(const LaneKernel** kernels);
+/// All kernels that this machine runs, lowest level first, for tests.
+[[nodiscard]] std::span<const LaneKernel> lane_kernels();
 
 }  // namespace lamella::span

@@ -3,7 +3,7 @@
 #include <array>
 
 #include "model/bezier.h"
-#include "slicing/span/depth_kernel.h"
+#include "slicing/span/cpu_level.h"
 
 namespace lamella::span {
 
@@ -20,33 +20,21 @@ LAMELLA_DECLARE(v4);
 
 namespace {
 
-const std::array<NetKernel, 3>& all_kernels() {
-  static const std::array<NetKernel, 3> kernels{{
-      {surface_slopes_v2, surface_bends_v2, curve_v2},
+constexpr std::array<NetKernel, kCpuLevels> kBuilds{{
+    {surface_slopes_v2, surface_bends_v2, curve_v2},
 #if defined(LAMELLA_X86_LEVELS)
-      {surface_slopes_v3, surface_bends_v3, curve_v3},
-      {surface_slopes_v4, surface_bends_v4, curve_v4},
+    {surface_slopes_v3, surface_bends_v3, curve_v3},
+    {surface_slopes_v4, surface_bends_v4, curve_v4},
 #endif
-  }};
-  return kernels;
-}
+}};
 
 }  // namespace
 
-std::size_t net_kernels(const NetKernel** kernels) {
-  *kernels = all_kernels().data();
-  // The machine runs the same levels here as there.
-  const DepthKernel* depth = nullptr;
-  return depth_kernels(&depth);
-}
+std::span<const NetKernel> net_kernels() { return usable(kBuilds); }
 
 const NetKernel& net_kernel() {
-  static const NetKernel* const best = [] {
-    const NetKernel* kernels = nullptr;
-    const std::size_t count = net_kernels(&kernels);
-    return kernels + (count - 1);
-  }();
-  return *best;
+  static const NetKernel& best = net_kernels().back();
+  return best;
 }
 
 }  // namespace lamella::span

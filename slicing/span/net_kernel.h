@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 
 namespace lamella::span {
 
@@ -29,7 +30,7 @@ struct NetKernel {
 
 /// The best kernel that this machine runs.
 [[nodiscard]] const NetKernel& net_kernel();
-/// All kernels that this machine runs, for tests.
-[[nodiscard]] std::size_t net_kernels(const NetKernel** kernels);
+/// All kernels that this machine runs, lowest level first, for tests.
+[[nodiscard]] std::span<const NetKernel> net_kernels();
 
 }  // namespace lamella::span

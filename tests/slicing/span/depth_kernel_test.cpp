@@ -7,10 +7,16 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <gtest/gtest.h>
 #include <random>
+#include <set>
 #include <span>
+#include <sstream>
+#include <string>
 #include <vector>
+
+#include "slicing/span/cpu_level.h"
 
 namespace lamella::span {
 namespace {
@@ -72,12 +78,6 @@ long double find_parameter(const Stretch& stretch, long double row) {
   return 0.5L * (lo + hi);
 }
 
-std::span<const DepthKernel> all_kernels() {
-  const DepthKernel* list = nullptr;
-  const std::size_t count = depth_kernels(&list);
-  return {list, count};
-}
-
 constexpr double kResidual = 1e-9;  ///< mm
 
 /// The xs of one stretch; `failed` is how many rows the kernel gave up.
@@ -90,13 +90,13 @@ std::vector<double> solve(const DepthKernel& kernel, const Stretch& stretch, std
 }
 
 TEST(DepthKernel, FindsEveryRowOfRandomStretches) {
-  for (const DepthKernel& kernel : all_kernels()) {
+  for (const DepthKernel& kernel : depth_kernels()) {
     std::mt19937_64 random(1);
     for (int k = 0; k < 2000; ++k) {
       const Stretch stretch = random_stretch(random);
       std::size_t failed = 0;
       const std::vector<double> xs = solve(kernel, stretch, failed);
-      EXPECT_EQ(failed, 0U) << kernel.level;
+      EXPECT_EQ(failed, 0U) << &kernel - depth_kernels().data();
       for (std::size_t i = 0; i < xs.size(); ++i) {
         // What a row within the residual has, plus rounding.
         const long double first = find_parameter(stretch, stretch.rows[i] - 2.0 * kResidual);
@@ -104,7 +104,8 @@ TEST(DepthKernel, FindsEveryRowOfRandomStretches) {
         const long double exact = value_at(stretch.x, find_parameter(stretch, stretch.rows[i]));
         // |x'| is at most 15 for coefficients within 1.
         const long double bound = 15.0L * std::abs(last - first) + 1e-12L;
-        ASSERT_LE(std::abs(xs[i] - exact), bound) << kernel.level << " stretch " << k << " row " << i;
+        ASSERT_LE(std::abs(xs[i] - exact), bound)
+            << &kernel - depth_kernels().data() << " stretch " << k << " row " << i;
       }
     }
   }
@@ -113,9 +114,10 @@ TEST(DepthKernel, FindsEveryRowOfRandomStretches) {
 TEST(DepthKernel, GivesTheEndForRowsBeyondTheStretch) {
   const std::vector<double> rows{-1e3, 5.0 - 0.75 * 3.0 - 1e-3, 5.0 - 0.25 * 3.0 + 1e-3, 1e3};
   const Stretch stretch{{1.0, 2.0, 0, 0, 0, 0}, {5.0, -3.0, 0, 0, 0, 0}, 0.25, 0.75, rows};
-  for (const DepthKernel& kernel : all_kernels()) {
+  for (const DepthKernel& kernel : depth_kernels()) {
     std::size_t failed = 0;
-    EXPECT_EQ(solve(kernel, stretch, failed), (std::vector<double>{2.5, 2.5, 1.5, 1.5})) << kernel.level;
+    EXPECT_EQ(solve(kernel, stretch, failed), (std::vector<double>{2.5, 2.5, 1.5, 1.5}))
+        << &kernel - depth_kernels().data();
     EXPECT_EQ(failed, 0U);
   }
 }
@@ -127,7 +129,7 @@ TEST(DepthKernel, SolvesManyStretchesAsItSolvesEach) {
     stretch = random_stretch(random);
     if (random() % 4 != 0) stretch.rows.resize(std::min<std::size_t>(stretch.rows.size(), random() % 12));
   }
-  for (const DepthKernel& kernel : all_kernels()) {
+  for (const DepthKernel& kernel : depth_kernels()) {
     std::vector<DepthTask> tasks;
     std::vector<double> each;
     for (const Stretch& stretch : stretches) {
@@ -138,7 +140,7 @@ TEST(DepthKernel, SolvesManyStretchesAsItSolvesEach) {
     }
     std::vector<double> all(each.size());
     kernel.solve(tasks.data(), tasks.size(), kResidual, all.data());
-    EXPECT_EQ(std::memcmp(all.data(), each.data(), all.size() * sizeof(double)), 0) << kernel.level;
+    EXPECT_EQ(std::memcmp(all.data(), each.data(), all.size() * sizeof(double)), 0) << &kernel - depth_kernels().data();
   }
 }
 
@@ -146,37 +148,37 @@ TEST(DepthKernel, CountsRowsThatItCannotMeetByStretch) {
   const Stretch sound{{0, 1, 0, 0, 0, 0}, {0, 1, 0, 0, 0, 0}, 0.0, 1.0, {0.25, 0.5}};
   // So steep that no number of steps that is worth while finds a row.
   const Stretch broken{{0, 1, 0, 0, 0, 0}, {0, 1e-3, 0, 0, 0, 1e300}, 0.0, 1.0, {0.25, 0.5, 0.75}};
-  for (const DepthKernel& kernel : all_kernels()) {
+  for (const DepthKernel& kernel : depth_kernels()) {
     std::array<DepthTask, 3> tasks{sound.task(), broken.task(), sound.task()};
     std::array<double, 7> xs{};
     kernel.solve(tasks.data(), tasks.size(), kResidual, xs.data());
-    EXPECT_EQ(tasks[0].failed, 0U) << kernel.level;
-    EXPECT_EQ(tasks[1].failed, 3U) << kernel.level;
-    EXPECT_EQ(tasks[2].failed, 0U) << kernel.level;
+    EXPECT_EQ(tasks[0].failed, 0U) << &kernel - depth_kernels().data();
+    EXPECT_EQ(tasks[1].failed, 3U) << &kernel - depth_kernels().data();
+    EXPECT_EQ(tasks[2].failed, 0U) << &kernel - depth_kernels().data();
   }
 }
 
 TEST(DepthKernel, FindsRowsOnChords) {
-  for (const DepthKernel& kernel : all_kernels()) {
+  for (const DepthKernel& kernel : depth_kernels()) {
     const std::array<double, 4> rows{-1.0, 1.0, 2.5, 7.0};
     std::array<double, 4> xs{};
     kernel.line({10.0, 8.0, 1.0, 4.0}, rows.data(), rows.size(), xs.data());
-    EXPECT_EQ(xs, (std::array<double, 4>{10.0, 10.0, 13.0, 18.0})) << kernel.level;
+    EXPECT_EQ(xs, (std::array<double, 4>{10.0, 10.0, 13.0, 18.0})) << &kernel - depth_kernels().data();
     kernel.line({10.0, 8.0, 1.0, 0.0}, rows.data(), rows.size(), xs.data());
-    EXPECT_EQ(xs, (std::array<double, 4>{10.0, 10.0, 10.0, 10.0})) << kernel.level;
+    EXPECT_EQ(xs, (std::array<double, 4>{10.0, 10.0, 10.0, 10.0})) << &kernel - depth_kernels().data();
   }
 }
 
 TEST(DepthKernel, FindsRowsOnRoundSections) {
   // The circle of radius 2 about (1, 3).
-  for (const DepthKernel& kernel : all_kernels()) {
+  for (const DepthKernel& kernel : depth_kernels()) {
     const std::array<double, 6> rows{1.0, 1.0 + 1e-9, 2.0, 3.0, 4.5, 5.0};
     for (const double side : {-1.0, 1.0}) {
       std::array<double, 6> xs{};
       kernel.round({1.0, 3.0, 2.0, 0.0, side * 2.0}, rows.data(), rows.size(), xs.data());
       for (std::size_t i = 0; i < rows.size(); ++i) {
         const double half = std::sqrt((2.0 - (rows[i] - 3.0)) * (2.0 + (rows[i] - 3.0)));
-        EXPECT_NEAR(xs[i], 1.0 + side * half, 1e-8) << kernel.level << " row " << rows[i];
+        EXPECT_NEAR(xs[i], 1.0 + side * half, 1e-8) << &kernel - depth_kernels().data() << " row " << rows[i];
       }
     }
   }
@@ -188,13 +190,13 @@ TEST(DepthKernel, BlendsPolynomialsOfDegreeFour) {
   for (const std::size_t count : {0U, 1U, 7U, 64U, 131U}) {
     std::vector<double> coefficients(5 * count);
     for (double& c : coefficients) c = real(random);
-    for (const DepthKernel& kernel : all_kernels()) {
+    for (const DepthKernel& kernel : depth_kernels()) {
       std::vector<double> sums(count, -1.0);
       kernel.blend(coefficients.data(), count, 0.3, sums.data());
       for (std::size_t i = 0; i < count; ++i) {
         long double sum = 0.0L;
         for (std::size_t power = 5; power-- > 0;) sum = sum * 0.3L + coefficients[power * count + i];
-        EXPECT_NEAR(sums[i], static_cast<double>(sum), 1e-14) << kernel.level;
+        EXPECT_NEAR(sums[i], static_cast<double>(sum), 1e-14) << &kernel - depth_kernels().data();
       }
     }
   }
@@ -224,18 +226,38 @@ std::vector<double> results_of(const DepthKernel& kernel) {
 }
 
 TEST(DepthKernel, GivesTheSameBytesOnEveryLevel) {
-  const std::span<const DepthKernel> kernels = all_kernels();
+  const std::span<const DepthKernel> kernels = depth_kernels();
   ASSERT_FALSE(kernels.empty());
   const std::vector<double> expected = results_of(kernels.front());
   EXPECT_GT(expected.size(), 100'000U);
   for (const DepthKernel& kernel : kernels.subspan(1)) {
     const std::vector<double> found = results_of(kernel);
     ASSERT_EQ(found.size(), expected.size());
-    EXPECT_EQ(std::memcmp(found.data(), expected.data(), found.size() * sizeof(double)), 0) << kernel.level;
+    EXPECT_EQ(std::memcmp(found.data(), expected.data(), found.size() * sizeof(double)), 0)
+        << &kernel - depth_kernels().data();
   }
 }
 
-TEST(DepthKernel, ChoosesTheLastThatTheMachineRuns) { EXPECT_STREQ(depth_kernel().level, all_kernels().back().level); }
+/// By the flags that the system tells of the processor.
+TEST(CpuLevel, IsTheHighestThatTheMachineRuns) {
+  std::ifstream info("/proc/cpuinfo");
+  std::set<std::string> flags;
+  for (std::string line; std::getline(info, line);) {
+    if (!line.starts_with("flags")) continue;
+    std::istringstream words(line);
+    for (std::string word; words >> word;) flags.insert(word);
+    break;
+  }
+  if (flags.empty()) GTEST_SKIP() << "no flags in /proc/cpuinfo";
+  const auto has = [&](std::initializer_list<const char*> names) {
+    return std::all_of(names.begin(), names.end(), [&](const char* name) { return flags.contains(name); });
+  };
+  const bool runs_v3 = has({"avx2", "fma", "bmi2"});
+  const bool runs_v4 = runs_v3 && has({"avx512f", "avx512dq", "avx512bw", "avx512vl", "avx512cd"});
+  EXPECT_STREQ(cpu_levels().back(), runs_v4 ? "x86-64-v4" : runs_v3 ? "x86-64-v3" : "baseline");
+  EXPECT_EQ(depth_kernels().size(), cpu_levels().size());
+  EXPECT_EQ(&depth_kernel(), &depth_kernels().back());
+}
 
 }  // namespace
 }  // namespace lamella::span

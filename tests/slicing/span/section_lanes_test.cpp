@@ -18,12 +18,6 @@
 namespace lamella::span {
 namespace {
 
-std::vector<LaneKernel> all_kernels() {
-  const LaneKernel* list = nullptr;
-  const std::size_t count = lane_kernels(&list);
-  return {list, list + count};
-}
-
 std::vector<double> uniform_knots(int degree, int count) {
   std::vector<double> knots(static_cast<std::size_t>(degree), 0.0);
   for (int i = 0; i <= count - degree; ++i) knots.push_back(static_cast<double>(i) / (count - degree));
@@ -230,7 +224,7 @@ TEST(LaneKernel, GivesEqualBytesOnEveryLevel) {
     MeasureLanes distance;
   };
   std::vector<Results> results;
-  for (const LaneKernel& kernel : all_kernels()) {
+  for (const LaneKernel& kernel : lane_kernels()) {
     Results& result = results.emplace_back();
     std::memset(static_cast<void*>(&result), 0, sizeof(Results));
     result.move = move_in;

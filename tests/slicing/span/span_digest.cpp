@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "slicing/span/depth_kernel.h"
+#include "slicing/span/cpu_level.h"
 #include "tests/support/cut_scene.h"
 #include "tests/support/spline_form.h"
 #include "tests/support/swept_solids.h"
@@ -69,7 +69,7 @@ int main() {
   add([](Scene& s) { test::add_dome(s, 2.0, 1.5, 1.0, 0.5); });
   add([](Scene& s) { test::add_box_with_hole(s, {-1, -1, 0}, {1, 1, 2}, 0.5); });
   add([](Scene& s) { test::add_revolved_ring(s, 1.25, 0.25, 0.5); });
-  std::printf("level %s counts %016llx bytes %016llx\n", span::depth_kernel().level,
+  std::printf("level %s counts %016llx bytes %016llx\n", span::cpu_levels().back(),
               static_cast<unsigned long long>(counts.value()), static_cast<unsigned long long>(bytes.value()));
   return 0;
 }
