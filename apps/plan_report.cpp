@@ -70,6 +70,8 @@ std::string count_text(std::uint64_t count, std::uint64_t bound) {
   return count == bound ? fmt::format("{}", count) : fmt::format("{} (at least {})", count, bound);
 }
 
+std::string count_of_ways(std::uint64_t count) { return fmt::format("{} {}", count, count == 1 ? "way" : "ways"); }
+
 }  // namespace
 
 std::string time_text(double seconds) {
@@ -94,6 +96,8 @@ Json plan_json(const BuildPlan& plan) {
               {"tool_changes_bound", plan.tool_changes_bound},
               {"manual_changes", plan.reloads},
               {"manual_changes_bound", plan.reloads_bound},
+              {"matchings", plan.matching ? Json(plan.matching->weighed) : Json(nullptr)},
+              {"matching_proved", plan.matching ? Json(plan.matching->is_proved) : Json(nullptr)},
               {"change_time", plan.change_time},
               {"manual_change_time", plan.reload_time},
               {"machine_cost", plan.machine_cost},
@@ -118,6 +122,10 @@ std::string plan_text(const BuildPlan& plan) {
   text += fmt::format("tool changes {} ({}), manual changes {} ({})\n",
                       count_text(plan.tool_changes, plan.tool_changes_bound), time_text(plan.change_time),
                       count_text(plan.reloads, plan.reloads_bound), time_text(plan.reload_time));
+  if (plan.matching) {
+    text += fmt::format("tools: the cheapest of {} that were weighed, {}\n", count_of_ways(plan.matching->weighed),
+                        plan.matching->is_proved ? "and of all" : "not proved to be the cheapest of all");
+  }
   text += "\n" + materials_text(plan);
   if (plan.support) {
     text += fmt::format("support: {}, {} mm^3, {} {}\n", plan.support->material, short_number(plan.support->volume),

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <ostream>
+#include <string>
 #include <vector>
 
 #include "core/geometry.h"
@@ -36,6 +37,8 @@ class GcodeWriter {
   void retract();
   void unretract();
   void leave_tool();
+  /// Tells the firmware how the tool in use is accelerated on what comes next, where the machine states it.
+  void accelerate(bool is_travel);
 
   std::ostream& stream_;
   const Machine& machine_;
@@ -47,6 +50,7 @@ class GcodeWriter {
   MaterialSettings settings_;
   std::optional<Vec2> at_;
   double z_ = 0.0;
+  std::string acceleration_told_;   ///< the command; empty where a change of tool may have undone it
   double filament_ = 0.0;           ///< mm since the tool was chosen, retractions left out
   std::int64_t filament_told_ = 0;  ///< the same in 1e-5 mm as written
 };
