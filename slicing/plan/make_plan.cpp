@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "core/error.h"
@@ -6,6 +7,7 @@
 #include "slicing/compensated_sum.h"
 #include "slicing/plan/build_plan.h"
 #include "slicing/plan/load_tools.h"
+#include "slicing/plan/matching.h"
 #include "slicing/plan/order_tools.h"
 #include "slicing/plan/plan_times.h"
 #include "slicing/plan/weigh_matchings.h"
@@ -168,6 +170,21 @@ class Planner {
     return materials;
   }
 
+  /// What of these needs has too few tools, where that isn't all of them.
+  [[nodiscard]] std::string crowd_of(const std::vector<std::uint32_t>& needs, const LoadProblem& problem,
+                                     const std::vector<MaterialId>& materials) const {
+    const auto crowd = find_crowd(needs, problem.holders);
+    if (!crowd || static_cast<std::size_t>(std::popcount(crowd->tools)) == problem.tools) return "";
+    std::vector<std::string> names;
+    for (const std::uint32_t need : crowd->materials) names.push_back(info_.materials[materials[need]].name);
+    std::vector<std::string> tools;
+    for (const ToolId tool : machine_.tools.ids()) {
+      if ((crowd->tools >> tool.value() & 1U) != 0) tools.push_back(machine_.tools[tool].name);
+    }
+    return ": " + joined(names) + " have but " + std::to_string(tools.size()) + " between them (" + joined(tools) +
+           ") for layers of that height";
+  }
+
   void refuse(const LoadVerdict& verdict, const LoadProblem& problem, const std::vector<MaterialId>& materials) const {
     switch (verdict.fault) {
       case LoadFault::none:
@@ -182,7 +199,8 @@ class Planner {
         }
         throw InputError("layer " + std::to_string(layers_[verdict.which].index) + " needs " +
                              std::to_string(names.size()) + " materials at once (" + joined(names) +
-                             "), which don't fit the " + std::to_string(problem.tools) + " tools together",
+                             "), which don't fit the " + std::to_string(problem.tools) + " tools together" +
+                             crowd_of(problem.layers[verdict.which], problem, materials),
                          machine_.source, "choose a machine with more tools, fewer materials, or turn the part");
       }
       case LoadFault::needs_reloading:
