@@ -175,7 +175,11 @@ bool all_sound(const Scene& scene) {
 }
 
 ExitCode run(const Session& session, const InfoOptions& options) {
-  if (options.write_materials) refuse_inputs_as_outputs({*options.write_materials}, options.files);
+  if (options.write_materials) {
+    std::vector<std::string> inputs = options.files;
+    if (options.materials) inputs.push_back(*options.materials);
+    refuse_inputs_as_outputs({*options.write_materials}, inputs);
+  }
   Assembly assembly = read_assembly(session, options.files, options.materials);
   measure_assembly(session, assembly);
   if (options.write_materials) {

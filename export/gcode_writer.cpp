@@ -74,11 +74,11 @@ void GcodeWriter::accelerate(bool is_travel) {
   const double travels = machine_.traveling(*tool_).acceleration;
   if (!std::isfinite(tracks) || !std::isfinite(travels)) return;
   // Klipper knows but one, which has to be told anew.
-  const double told = is_travel && gcode_.flavor == GcodeFlavor::klipper ? travels : tracks;
-  const std::string command = gcode::set_acceleration(gcode_.flavor, told, travels);
-  if (command == acceleration_told_) return;
-  stream_ << command;
-  acceleration_told_ = command;
+  const bool is_one = gcode_.flavor == GcodeFlavor::klipper;
+  const std::array<double, 2> told{is_one && is_travel ? travels : tracks, is_one ? 0.0 : travels};
+  if (told == acceleration_told_) return;
+  stream_ << gcode::set_acceleration(gcode_.flavor, told[0], told[1]);
+  acceleration_told_ = told;
 }
 
 void GcodeWriter::use_tool(ToolId tool, const MaterialSettings& settings, double purge) {
@@ -91,7 +91,7 @@ void GcodeWriter::use_tool(ToolId tool, const MaterialSettings& settings, double
     at_.reset();
     filament_ = 0.0;
     filament_told_ = 0;
-    acceleration_told_.clear();
+    acceleration_told_.reset();
   }
   settings_ = settings;
   double& temperature = temperature_[tool.value()];

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <ostream>
 #include <string>
@@ -50,7 +51,9 @@ class GcodeWriter {
   MaterialSettings settings_;
   std::optional<Vec2> at_;
   double z_ = 0.0;
-  std::string acceleration_told_;   ///< the command; empty where a change of tool may have undone it
+  /// mm/s^2 of tracks and travels, 0 of those that the firmware knows not; none where a change of tool may have set
+  /// others.
+  std::optional<std::array<double, 2>> acceleration_told_;
   double filament_ = 0.0;           ///< mm since the tool was chosen, retractions left out
   std::int64_t filament_told_ = 0;  ///< the same in 1e-5 mm as written
 };

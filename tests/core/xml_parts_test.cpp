@@ -83,6 +83,27 @@ TEST(XmlParts, AreTheChildrenThatTheWholeDocumentHas) {
   }
 }
 
+/// The file is read in chunks: nothing may be overlooked that lies across their edge.
+TEST(XmlParts, MarkupAcrossTheEdgeOfAChunkIsSeen) {
+  constexpr std::size_t kChunk = std::size_t{1} << 18;
+  for (const std::string markup : {"<!---->", "<a x='>'/>", "<a>]</a>", "<a><![CDATA[]]></a>", "<a><!-- - --></a>"}) {
+    for (std::size_t before = 0; before <= markup.size(); ++before) {
+      const std::string head = "<r><b/>";
+      const std::string text = head + std::string(kChunk - head.size() - before, ' ') + markup + "<c/></r>";
+      std::vector<std::string> expected;
+      const XmlDocument whole = XmlDocument::parse(text, "f.xml");
+      for (const XmlElement& child : whole.root("r").children()) expected.push_back(described(child));
+      ASSERT_EQ(parts_of(text), expected) << markup << " " << before;
+    }
+    // Within a comment and within a child.
+    for (std::size_t before = 0; before <= 3; ++before) {
+      const std::string filling(kChunk - 7 - before, 'x');
+      EXPECT_EQ(parts_of("<r><!--" + filling + "--><c/></r>").size(), 1U) << before;
+      EXPECT_EQ(parts_of("<r><a>x" + filling + "<![CDATA[]]></a><c/></r>").size(), 2U) << before;
+    }
+  }
+}
+
 TEST(XmlParts, HaveARootWithoutChildren) {
   const test::TemporaryFolder folder;
   std::ofstream(folder / "f.xml") << "<?xml version=\"1.0\"?>\n<root a=\"1\"><b/></root>";

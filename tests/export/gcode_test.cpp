@@ -240,6 +240,12 @@ TEST_P(Gcode, AcceleratesAsTheMachineStatesAndTakesThePlansTime) {
     time[material] += ramped((move.to - move.from).norm(), speed, move.acceleration);
   }
   EXPECT_GE(told.size(), 3U);
+  // A macro that changes tools may have set others.
+  const std::string text = build_.text(machine_);
+  const std::string command = GetParam().flavor == GcodeFlavor::klipper ? "\nSET_VELOCITY_LIMIT" : "\nM204";
+  std::size_t commands = 0;
+  for (std::size_t at = text.find(command); at != std::string::npos; at = text.find(command, at + 1)) ++commands;
+  EXPECT_GE(commands, file.tools.size());
   for (const PlanMaterial& one : plan.materials) {
     const auto found = std::find_if(time.begin(), time.end(),
                                     [&](const auto& pair) { return pair.first.substr(0, 5) == one.name.substr(0, 5); });

@@ -224,6 +224,34 @@ TEST(Contacts, BetweenClustersOfTwoKindsAreTheirOwn) {
   EXPECT_EQ(contacts[0].second, SolidId{1});
 }
 
+/// An instance near a pair is told from another one at its place: one closes the gap, the other lies beside it.
+TEST(Contacts, WhatIsNearTwoCopiesCounts) {
+  Scene scene;
+  for (const double x : {0.0, 10.0}) {
+    add_copy(scene, Placement::at({x, 0, 0}));
+    add_copy(scene, Placement::at({x, 1.03, 0}));
+    const std::size_t first = scene.faces.size();
+    const bool closes = x == 0.0;
+    const Placement place = Placement::at({x, 0, 0});
+    const SolidId id = closes ? test::add_box(scene, {0, 1.00001, 0}, {2, 1.02999, 1}, {place, "foil", "", {}}).id
+                              : test::add_box(scene, {0, -0.03, 0}, {2, -0.01, 1}, {place, "plate", "", {}}).id;
+    scene.solids[id].info.instance = Instance{closes ? 5U : 6U, place.linear, place.translation};
+    for (std::size_t f = first; f < scene.faces.size(); ++f) {
+      scene.faces[FaceId{f}].step_entity = static_cast<int>((closes ? 500 : 600) + f - first);
+    }
+  }
+  bool is_open = false;
+  for (const Contact& contact : contacts_of(scene, 0.05)) {
+    if (contact.first == SolidId{0} && contact.second == SolidId{1}) {
+      EXPECT_EQ(contact.gap_area, 0.0);
+    }
+    if (contact.first != SolidId{3} || contact.second != SolidId{4}) continue;
+    EXPECT_NEAR(contact.gap_area, 2.0, 1e-9);
+    is_open = true;
+  }
+  EXPECT_TRUE(is_open);
+}
+
 TEST(Contacts, AThirdSolidBetweenTwoOfManyCopiesClosesTheirGapOnly) {
   Scene scene;
   for (int i = 0; i < 4; ++i) add_copy(scene, Placement::at({0, 1.03 * i, 0}));

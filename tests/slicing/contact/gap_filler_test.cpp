@@ -157,7 +157,9 @@ TEST_P(TwoCopies, WithANarrowGapShareASurface) {
       ++met;
     }
     // No hole.
-    if (!layer.raster.row(90).empty()) EXPECT_FALSE(layer.raster.row(100).empty()) << layer.index;
+    if (!layer.raster.row(90).empty()) {
+      EXPECT_FALSE(layer.raster.row(100).empty()) << layer.index;
+    }
   }
   EXPECT_GT(met, 700U);
   ASSERT_EQ(found.report.interfaces.size(), 1U);

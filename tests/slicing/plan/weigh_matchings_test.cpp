@@ -82,8 +82,13 @@ Weighable random_matching(std::mt19937& random, std::size_t tools, std::size_t n
                           std::uint32_t kinds) {
   const auto pick = [&](std::uint32_t below) { return static_cast<std::int64_t>(random() % below); };
   Weighable problem;
+  // Tools that are alike in changes may differ in speed, and the other way round.
   std::vector<std::size_t> kind;
-  for (std::size_t t = 0; t < tools; ++t) kind.push_back(static_cast<std::size_t>(pick(kinds)));
+  std::vector<std::size_t> speed;
+  for (std::size_t t = 0; t < tools; ++t) {
+    kind.push_back(static_cast<std::size_t>(pick(kinds)));
+    speed.push_back(static_cast<std::size_t>(pick(2)));
+  }
   std::vector<std::vector<ChangeCost>> of_kinds(kinds, std::vector<ChangeCost>(kinds));
   for (auto& row : of_kinds) {
     for (ChangeCost& cost : row) cost = {1, pick(4), pick(4)};
@@ -99,9 +104,8 @@ Weighable random_matching(std::mt19937& random, std::size_t tools, std::size_t n
     problem.holders.push_back(
         static_cast<std::uint32_t>(is_restricted ? 1 + pick((1U << tools) - 1U) : (1 << tools) - 1));
     problem.laying_time.emplace_back();
-    std::vector<std::int64_t> times;
-    for (std::uint32_t k = 0; k < kinds; ++k) times.push_back(pick(6));
-    for (std::size_t t = 0; t < tools; ++t) problem.laying_time.back().push_back(times[kind[t]]);
+    const std::vector<std::int64_t> times{pick(6), pick(6)};
+    for (std::size_t t = 0; t < tools; ++t) problem.laying_time.back().push_back(times[speed[t]]);
   }
   for (std::size_t k = 0; k < layers; ++k) {
     problem.layers.emplace_back();
