@@ -19,6 +19,9 @@ namespace {
 constexpr double kSamePlace = 1e-8;  // mm
 constexpr double kPerMicrometre = 1e3;
 
+/// So many solids that are said to be instances of one body and aren't shifted copies of one another are kept in mind.
+constexpr std::size_t kMostKinds = 4;
+
 /// What shifted instances of a body have in common.
 using Trait = std::tuple<std::size_t, std::size_t, std::array<double, 9>, double>;
 
@@ -51,15 +54,21 @@ class Kinds {
     if (!kinds_.emplace(solid, solid).second) return;
     const auto trait = trait_of(scene_, solid);
     if (!trait) return;
-    const auto [known, is_new] = first_.emplace(*trait, solid);
-    const SolidId like = known->second;
-    if (is_new || !is_shifted(scene_, like, solid, shift_between(scene_, like, solid))) return;
-    if (have_parallel_faces(scene_, like, solid)) kinds_[solid] = like;
+    std::vector<SolidId>& known = first_[*trait];
+    const auto like = std::find_if(known.begin(), known.end(), [&](SolidId other) {
+      return is_shifted(scene_, other, solid, shift_between(scene_, other, solid)) &&
+             have_parallel_faces(scene_, other, solid);
+    });
+    if (like != known.end()) {
+      kinds_[solid] = *like;
+    } else if (known.size() < kMostKinds) {
+      known.push_back(solid);
+    }
   }
 
   const Scene& scene_;
   std::map<SolidId, SolidId> kinds_;
-  std::map<Trait, SolidId> first_;
+  std::map<Trait, std::vector<SolidId>> first_;
 };
 
 /// A solid as one near it sees it: what it is, and where from there, to a micrometre.

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "slicing/combine.h"
+#include "slicing/contact/alike_pairs.h"
 #include "tests/slicing/contact/touching_solids.h"
 
 namespace lamella {
@@ -250,6 +251,41 @@ TEST(Contacts, WhatIsNearTwoCopiesCounts) {
     is_open = true;
   }
   EXPECT_TRUE(is_open);
+}
+
+/// The numbers of pairs that are searched, and that are like them.
+std::vector<std::size_t> sizes_of(const std::vector<AlikePairs>& alike) {
+  std::vector<std::size_t> sizes;
+  for (const AlikePairs& one : alike) sizes.push_back(1 + one.like.size());
+  return sizes;
+}
+
+TEST(AlikePairs, AreThoseThatTheSceneShowsToBeShifted) {
+  Scene scene;
+  for (const double x : {20.0, 0.0, 10.0}) {
+    add_copy(scene, Placement::at({x, 0, 0}));
+    add_copy(scene, Placement::at({x, 1.03, 0}));
+  }
+  const std::vector<SolidPair> pairs{{SolidId{0}, SolidId{1}}, {SolidId{2}, SolidId{3}}, {SolidId{4}, SolidId{5}}};
+  auto alike = find_alike_pairs(scene, pairs);
+  ASSERT_EQ(sizes_of(alike), (std::vector<std::size_t>{3}));
+  // The first is the one that lies lowest, not that of the lowest ids.
+  EXPECT_EQ(alike[0].first, 1U);
+  EXPECT_EQ(shift_between(scene, SolidId{3}, SolidId{5}), Vec3(10, 0, 0));
+  // The other way round it is another pair.
+  const std::vector<SolidPair> turned{pairs[0], {SolidId{3}, SolidId{2}}, pairs[2]};
+  EXPECT_EQ(sizes_of(find_alike_pairs(scene, turned)), (std::vector<std::size_t>{2, 1}));
+  // Somebody moves a solid, or says that it is moved by a hair, or that it isn't sound.
+  Scene moved = scene;
+  moved.vertices[moved.vertices.ids().first].point.x() += 1e-3;
+  EXPECT_EQ(find_alike_pairs(moved, pairs).size(), 2U);
+  Scene aside = scene;
+  aside.solids[SolidId{5}].info.instance->shift.y() += 1e-7;
+  EXPECT_EQ(find_alike_pairs(aside, pairs).size(), 2U);
+  Scene open = scene;
+  open.solids[SolidId{5}].info.closed = false;
+  EXPECT_EQ(find_alike_pairs(open, pairs).size(), 2U);
+  EXPECT_TRUE(find_alike_pairs(scene, {}).empty());
 }
 
 TEST(Contacts, AThirdSolidBetweenTwoOfManyCopiesClosesTheirGapOnly) {
