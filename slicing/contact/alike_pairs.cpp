@@ -80,84 +80,60 @@ struct Sight {
   auto operator<=>(const Sight&) const = default;
 };
 
-/// All that decides about a pair's contact: the first solid, the second, and all near the first.
-struct Surroundings {
-  SolidId kind;
-  Sight second;
-  std::vector<Sight> near;  ///< ascending
-
-  auto operator<=>(const Surroundings&) const = default;
-};
-
-class Sorter {
+/// Sorts solids by what they are and what is near them.
+class Surroundings {
  public:
-  Sorter(const Scene& scene, std::span<const SolidPair> pairs) : scene_(scene), pairs_(pairs), kinds_(scene, pairs) {
+  Surroundings(const Scene& scene, std::span<const SolidPair> pairs) : scene_(scene), kinds_(scene, pairs) {
     for (const auto& [first, second] : pairs) {
       near_[first].push_back(second);
       near_[second].push_back(first);
     }
-    for (auto& [solid, others] : near_) sort_near(solid, others);
+    for (auto& [solid, others] : near_) {
+      std::sort(others.begin(), others.end(),
+                [&, from = solid](SolidId a, SolidId b) { return sight(from, a) < sight(from, b); });
+    }
   }
-
-  [[nodiscard]] std::vector<AlikePairs> run() {
-    std::vector<std::size_t> order(pairs_.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    const auto place = [&](std::size_t i) {
-      const Vec2 first = place_of(scene_, pairs_[i].first);
-      const Vec2 second = place_of(scene_, pairs_[i].second);
-      return std::tuple(first.y(), first.x(), second.y(), second.x());
-    };
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return place(a) < place(b); });
-    for (const std::size_t i : order) add(i);
-    return std::move(alike_);
-  }
-
- private:
-  [[nodiscard]] Vec2 way(SolidId from, SolidId to) const { return place_of(scene_, to) - place_of(scene_, from); }
 
   [[nodiscard]] Sight sight(SolidId from, SolidId to) const {
     const Vec2 aside = way(from, to);
     return {kinds_.of(to), std::llround(aside.x() * kPerMicrometre), std::llround(aside.y() * kPerMicrometre)};
   }
 
-  void sort_near(SolidId solid, std::vector<SolidId>& others) const {
-    std::sort(others.begin(), others.end(), [&](SolidId a, SolidId b) { return sight(solid, a) < sight(solid, b); });
+  /// A number that solids share which are of one kind and have the same kinds in the same places around them.
+  std::size_t number_of(SolidId solid) {
+    const auto [known, is_new] = numbers_.emplace(solid, count_);
+    if (!is_new) return known->second;
+    std::vector<SolidId>& others = first_[{kinds_.of(solid), sights_of(solid)}];
+    const auto like =
+        std::find_if(others.begin(), others.end(), [&](SolidId other) { return lies_alike(other, solid); });
+    if (like != others.end()) return known->second = numbers_.at(*like);
+    if (others.size() < kMostKinds) others.push_back(solid);
+    return count_++;
   }
 
-  [[nodiscard]] Surroundings surroundings_of(const SolidPair& pair) const {
-    Surroundings out{kinds_.of(pair.first), sight(pair.first, pair.second), {}};
-    for (const SolidId other : near_.at(pair.first)) out.near.push_back(sight(pair.first, other));
-    return out;
-  }
+ private:
+  [[nodiscard]] Vec2 way(SolidId from, SolidId to) const { return place_of(scene_, to) - place_of(scene_, from); }
 
-  void add(std::size_t i) {
-    std::vector<std::size_t>& known = of_surroundings_[surroundings_of(pairs_[i])];
-    const auto found = std::find_if(known.begin(), known.end(),
-                                    [&](std::size_t place) { return is_like(pairs_[alike_[place].first], pairs_[i]); });
-    if (found != known.end()) {
-      alike_[*found].like.push_back(i);
-      return;
-    }
-    known.push_back(alike_.size());
-    alike_.push_back({i, {}});
+  [[nodiscard]] std::vector<Sight> sights_of(SolidId solid) const {
+    std::vector<Sight> sights;
+    for (const SolidId other : near_.at(solid)) sights.push_back(sight(solid, other));
+    return sights;
   }
 
   /// Beyond the micrometre.
-  [[nodiscard]] bool is_like(const SolidPair& a, const SolidPair& b) const {
+  [[nodiscard]] bool lies_alike(SolidId a, SolidId b) const {
     const auto agree = [&](SolidId of_a, SolidId of_b) {
-      return (way(a.first, of_a) - way(b.first, of_b)).cwiseAbs().maxCoeff() <= kSamePlace;
+      return (way(a, of_a) - way(b, of_b)).cwiseAbs().maxCoeff() <= kSamePlace;
     };
-    const auto& near_a = near_.at(a.first);
-    const auto& near_b = near_.at(b.first);
-    return agree(a.second, b.second) && std::equal(near_a.begin(), near_a.end(), near_b.begin(), near_b.end(), agree);
+    return std::equal(near_.at(a).begin(), near_.at(a).end(), near_.at(b).begin(), near_.at(b).end(), agree);
   }
 
   const Scene& scene_;
-  std::span<const SolidPair> pairs_;
   Kinds kinds_;
-  std::map<SolidId, std::vector<SolidId>> near_;
-  std::map<Surroundings, std::vector<std::size_t>> of_surroundings_;
-  std::vector<AlikePairs> alike_;
+  std::map<SolidId, std::vector<SolidId>> near_;  ///< ascending as they are seen
+  std::map<std::pair<SolidId, std::vector<Sight>>, std::vector<SolidId>> first_;
+  std::map<SolidId, std::size_t> numbers_;
+  std::size_t count_ = 0;
 };
 
 }  // namespace
@@ -168,7 +144,29 @@ Vec3 shift_between(const Scene& scene, SolidId from, SolidId to) {
 }
 
 std::vector<AlikePairs> find_alike_pairs(const Scene& scene, std::span<const SolidPair> pairs) {
-  return Sorter(scene, pairs).run();
+  std::vector<std::size_t> order(pairs.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto place = [&](std::size_t i) {
+    const Vec2 first = place_of(scene, pairs[i].first);
+    const Vec2 second = place_of(scene, pairs[i].second);
+    return std::tuple(first.y(), first.x(), second.y(), second.x());
+  };
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return place(a) < place(b); });
+  Surroundings surroundings(scene, pairs);
+  std::map<std::pair<std::size_t, Sight>, std::size_t> known;
+  std::vector<AlikePairs> alike;
+  for (const std::size_t i : order) {
+    // The second is among what is near the first, so that it needs no closer look.
+    const auto& [first, second] = pairs[i];
+    const std::pair key(surroundings.number_of(first), surroundings.sight(first, second));
+    const auto [found, is_new] = known.emplace(key, alike.size());
+    if (is_new) {
+      alike.push_back({i, {}});
+    } else {
+      alike[found->second].like.push_back(i);
+    }
+  }
+  return alike;
 }
 
 }  // namespace lamella

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <numeric>
+#include <random>
 #include <set>
 
 #include "slicing/plan/change_totals.h"
@@ -116,8 +117,8 @@ class Weigher {
   /// Whether what may be the most that a matching takes is left.
   [[nodiscard]] bool can_weigh_within(std::uint64_t steps) const { return work() + most_work_ <= steps; }
 
-  /// Finds the cost of a matching and keeps the best; whether it is a new best.
-  bool weigh(const std::vector<std::uint32_t>& tool_of) {
+  /// Finds the cost of a matching, and keeps the best.
+  ChangeCost weigh(const std::vector<std::uint32_t>& tool_of) {
     const std::uint64_t before = work();
     std::vector<ChangeTotals::Run> runs;
     for (const NeedRun& run : needs_.runs) {
@@ -130,10 +131,11 @@ class Weigher {
     nodes_ += needs_.runs.size();
     ++weighed_;
     most_work_ = std::max(most_work_, work() - before);
-    if (!best_.empty() && !(cost < best_cost_)) return false;
-    best_ = tool_of;
-    best_cost_ = cost;
-    return true;
+    if (best_.empty() || cost < best_cost_) {
+      best_ = tool_of;
+      best_cost_ = cost;
+    }
+    return cost;
   }
 
   /// Changes between needs cost no less than between the best two tools that can hold them, and laying down takes no
@@ -251,24 +253,51 @@ class Weigher {
     return true;
   }
 
-  /// Moves a need to a free tool or swaps it with the need that has the tool, as long as that gains anything.
+  /// Goes down from the best matching to one that no exchange betters, then again and again from beside the best.
   void improve() {
-    const std::uint64_t limit = std::max(work(), steps_) + steps_ / 2;
+    const std::uint64_t limit = std::max(work(), steps_ / 2) + steps_ / 2;
+    std::mt19937 random;  // the same numbers every time
+    descend(best_, limit);
+    while (best_cost_ != bound_ && can_weigh_within(limit)) descend(disturbed(best_, random), limit);
+  }
+
+  /// Exchanges tools as long as that gains anything.
+  void descend(std::vector<std::uint32_t> at, std::uint64_t limit) {
+    ChangeCost cost = weigh(at);
     for (bool is_better = true; is_better;) {
       is_better = false;
-      for (std::size_t need = 0; need < best_.size(); ++need) {
+      for (std::size_t need = 0; need < at.size(); ++need) {
         for (std::uint32_t tool = 0; tool < kind_.size(); ++tool) {
+          std::vector<std::uint32_t> next = at;
+          if (!exchange(next, need, tool)) continue;
           if (best_cost_ == bound_ || !can_weigh_within(limit)) return;
-          is_better = try_tool(need, tool) || is_better;
+          const ChangeCost reached = weigh(next);
+          if (!(reached < cost)) continue;
+          at = std::move(next);
+          cost = reached;
+          is_better = true;
         }
       }
     }
   }
 
-  bool try_tool(std::size_t need, std::uint32_t tool) {
-    const std::uint32_t own = best_[need];
+  /// After three exchanges, whatever they cost.
+  std::vector<std::uint32_t> disturbed(std::vector<std::uint32_t> tool_of, std::mt19937& random) const {
+    constexpr int kExchanges = 3;
+    constexpr int kTries = 100;
+    for (int done = 0, tries = 0; done < kExchanges && tries < kTries; ++tries) {
+      const std::size_t need = random() % tool_of.size();
+      const auto tool = static_cast<std::uint32_t>(random() % kind_.size());
+      if (exchange(tool_of, need, tool)) ++done;
+    }
+    return tool_of;
+  }
+
+  /// Moves a need to a free tool, or swaps it with the need that has the tool; false where that can't be or changes
+  /// nothing.
+  bool exchange(std::vector<std::uint32_t>& tool_of, std::size_t need, std::uint32_t tool) const {
+    const std::uint32_t own = tool_of[need];
     if (kind_[tool] == kind_[own] || (needs_.holders[need] >> tool & 1U) == 0) return false;
-    std::vector<std::uint32_t> tool_of = best_;
     const auto other = std::find(tool_of.begin(), tool_of.end(), tool);
     if (other != tool_of.end()) {
       const auto place = static_cast<std::size_t>(other - tool_of.begin());
@@ -276,7 +305,7 @@ class Weigher {
       *other = own;
     }
     tool_of[need] = tool;
-    return weigh(tool_of);
+    return true;
   }
 
   const MatchingProblem& problem_;

@@ -32,9 +32,9 @@ inline constexpr std::uint64_t kWeighingSteps = 40'000'000;
 /// The matching of all needs to tools of least cost: number of changes first, then purge, then time, each the best
 /// order of every layer included (order_tools()). All matchings are weighed, tools that are alike in everything
 /// standing for one another, if `steps` suffice; else the needs' tools are moved and swapped one by one while that
-/// gains anything. Of equal ones the first found is taken, the one of match_tools() before all. Nothing where there is
-/// no matching. `paths` says what changes between tools cost, {} on the diagonal, and keeps what was found of their
-/// orders.
+/// gains anything, and again from beside the best while steps are left. Of equal ones the first found is taken, the one
+/// of match_tools() before all; the same problem gives the same. Nothing where there is no matching. `paths` says what
+/// changes between tools cost, {} on the diagonal, and keeps what was found of their orders.
 [[nodiscard]] std::optional<WeighedMatching> weigh_matchings(const MatchingProblem& problem, PathCache& paths,
                                                              std::uint64_t steps = kWeighingSteps);
 
