@@ -26,7 +26,7 @@ class ChangeTotals {
   };
   [[nodiscard]] ChangeCost least(const std::vector<Run>& runs);
 
-  /// Steps of the computation so far, those of the cache included; about three nanoseconds each.
+  /// Steps of the computation so far, those of the cache included; a few nanoseconds each.
   [[nodiscard]] std::uint64_t work() const { return work_ + paths_.work(); }
   /// Whether every path that was asked for is proved to be the best.
   [[nodiscard]] bool is_exact() const { return is_exact_; }

@@ -14,7 +14,7 @@ class ToolPaths {
   /// `cost` must outlive it. Of more than `most_exact` tools that differ the paths aren't searched through.
   ToolPaths(std::uint32_t set, const std::vector<std::vector<ChangeCost>>& cost, int most_exact = kMaxExactTools);
 
-  /// Steps that finding the paths took, about three nanoseconds each.
+  /// Steps that finding the paths took, a few nanoseconds each.
   [[nodiscard]] std::uint64_t work() const { return work_; }
   /// Whether every path is proved to be the best.
   [[nodiscard]] bool is_exact() const;

@@ -138,27 +138,41 @@ class Weigher {
     return cost;
   }
 
-  /// Changes between needs cost no less than between the best two tools that can hold them, and laying down takes no
-  /// less than in the fastest matching.
+  /// Changing tools costs no less than if each change were between the best two tools for its needs, and laying down
+  /// takes no less than in the fastest matching.
   [[nodiscard]] ChangeCost lower_bound() const {
-    const std::size_t count = needs_.used.size();
-    std::vector<std::vector<ChangeCost>> change(count, std::vector<ChangeCost>(count));
-    for (std::size_t a = 0; a < count; ++a) {
-      for (std::size_t b = 0; b < count; ++b) {
-        if (a != b) change[a][b] = least_change(needs_.holders[a], needs_.holders[b]);
-      }
-    }
     std::vector<ChangeTotals::Run> runs;
     for (const NeedRun& run : needs_.runs) {
       std::uint32_t set = 0;
       for (const std::uint32_t need : run.needs) set |= 1U << need;
       runs.push_back({set, run.layers});
     }
-    PathCache paths(change, most_exact_needs(runs));
-    ChangeCost bound = ChangeTotals(paths, ChangeTotals::Figure::bound).least(runs);
+    ChangeCost bound = least_changes(runs);
     const std::vector<std::uint32_t> fastest = fastest_matching();
-    for (std::size_t n = 0; n < count; ++n) bound.time += laying_time(n, fastest[n]);
+    for (std::size_t n = 0; n < fastest.size(); ++n) bound.time += laying_time(n, fastest[n]);
     return bound;
+  }
+
+  /// `runs` are of needs instead of tools.
+  [[nodiscard]] ChangeCost least_changes(const std::vector<ChangeTotals::Run>& runs) const {
+    ChangeCost within;  // of the layers themselves, of which each needs one change less than tools
+    std::uint64_t work = 0;
+    const ChangeCost least = least_change(UINT32_MAX, UINT32_MAX);
+    for (const ChangeTotals::Run& run : runs) {
+      const auto size = static_cast<std::uint64_t>(std::popcount(run.tools));
+      within.changes += least.changes * static_cast<std::int64_t>((size - 1) * run.layers);
+      if (size > static_cast<std::uint64_t>(kMaxExactTools)) work += size * size * size * size;
+    }
+    if (work > steps_) return within;
+    const std::size_t needs = needs_.used.size();
+    std::vector<std::vector<ChangeCost>> change(needs, std::vector<ChangeCost>(needs));
+    for (std::size_t a = 0; a < needs; ++a) {
+      for (std::size_t b = 0; b < needs; ++b) {
+        if (a != b) change[a][b] = least_change(needs_.holders[a], needs_.holders[b]);
+      }
+    }
+    PathCache paths(change, most_exact_needs(runs));
+    return ChangeTotals(paths, ChangeTotals::Figure::bound).least(runs);
   }
 
   /// So many needs on a layer that searching through their orders takes no more than a part of the steps.
@@ -257,13 +271,15 @@ class Weigher {
   void improve() {
     const std::uint64_t limit = std::max(work(), steps_ / 2) + steps_ / 2;
     std::mt19937 random;  // the same numbers every time
-    descend(best_, limit);
-    while (best_cost_ != bound_ && can_weigh_within(limit)) descend(disturbed(best_, random), limit);
+    descend(best_, best_cost_, limit);
+    while (best_cost_ != bound_ && can_weigh_within(limit)) {
+      const std::vector<std::uint32_t> beside = disturbed(best_, random);
+      descend(beside, weigh(beside), limit);
+    }
   }
 
-  /// Exchanges tools as long as that gains anything.
-  void descend(std::vector<std::uint32_t> at, std::uint64_t limit) {
-    ChangeCost cost = weigh(at);
+  /// Exchanges tools as long as that gains anything, from a matching of this cost on.
+  void descend(std::vector<std::uint32_t> at, ChangeCost cost, std::uint64_t limit) {
     for (bool is_better = true; is_better;) {
       is_better = false;
       for (std::size_t need = 0; need < at.size(); ++need) {

@@ -26,7 +26,7 @@ struct WeighedMatching {
   [[nodiscard]] bool is_proved() const { return cost == lower_bound; }
 };
 
-/// How many steps may be spent on weighing; a step takes about three nanoseconds.
+/// How many steps may be spent on weighing; a step takes a few nanoseconds.
 inline constexpr std::uint64_t kWeighingSteps = 40'000'000;
 
 /// The matching of all needs to tools of least cost: number of changes first, then purge, then time, each the best

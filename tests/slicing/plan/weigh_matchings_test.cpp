@@ -233,6 +233,31 @@ TEST(WeighMatchings, ALongStayCostsWhatItsLayersCostOneByOne) {
   }
 }
 
+/// Where changes are free the time of laying down is all there is, whatever the steps suffice for.
+TEST(WeighMatchings, FreeChangesLeaveTheFastestTools) {
+  std::mt19937 random(17);
+  Weighable problem;
+  problem.change.assign(14, std::vector<ChangeCost>(14));
+  problem.holders.assign(12, (1U << 14) - 1);
+  for (std::size_t n = 0; n < 12; ++n) {
+    problem.laying_time.emplace_back();
+    for (std::size_t t = 0; t < 14; ++t) problem.laying_time.back().push_back(t == n + 1 ? 1 : 100 + random() % 9);
+  }
+  for (int k = 0; k < 30; ++k) {
+    problem.layers.emplace_back();
+    for (std::uint32_t n = 0; n < 12; ++n) {
+      if (k == 0 || n != static_cast<std::uint32_t>(k) % 12) problem.layers.back().push_back(n);
+    }
+  }
+  for (const std::uint64_t steps : {std::uint64_t{1}, kWeighingSteps}) {
+    const auto found = problem.weighed(steps);
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->lower_bound, (ChangeCost{0, 0, 12}));
+    EXPECT_GE(found->cost, found->lower_bound);
+    EXPECT_EQ(found->is_proved(), steps == kWeighingSteps);
+  }
+}
+
 TEST(WeighMatchings, OfNothingIsNothing) {
   Weighable problem;
   problem.change = {{ChangeCost{}}};
