@@ -70,7 +70,12 @@ std::string count_text(std::uint64_t count, std::uint64_t bound) {
   return count == bound ? fmt::format("{}", count) : fmt::format("{} (at least {})", count, bound);
 }
 
-std::string count_of_ways(std::uint64_t count) { return fmt::format("{} {}", count, count == 1 ? "way" : "ways"); }
+std::string matching_text(const PlanMatching& matching) {
+  if (matching.is_proved)
+    return fmt::format("no other way to fill the tools costs less ({} weighed)\n", matching.weighed);
+  return fmt::format("tools filled in the cheapest of {} ways that were weighed; another may cost less\n",
+                     matching.weighed);
+}
 
 }  // namespace
 
@@ -122,10 +127,7 @@ std::string plan_text(const BuildPlan& plan) {
   text += fmt::format("tool changes {} ({}), manual changes {} ({})\n",
                       count_text(plan.tool_changes, plan.tool_changes_bound), time_text(plan.change_time),
                       count_text(plan.reloads, plan.reloads_bound), time_text(plan.reload_time));
-  if (plan.matching) {
-    text += fmt::format("tools: the cheapest of {} that were weighed, {}\n", count_of_ways(plan.matching->weighed),
-                        plan.matching->is_proved ? "and of all" : "not proved to be the cheapest of all");
-  }
+  if (plan.matching) text += matching_text(*plan.matching);
   text += "\n" + materials_text(plan);
   if (plan.support) {
     text += fmt::format("support: {}, {} mm^3, {} {}\n", plan.support->material, short_number(plan.support->volume),
