@@ -1,10 +1,13 @@
 #include "slicing/plan/build_plan.h"
 
+#include <algorithm>
 #include <cmath>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <random>
 #include <set>
 
+#include "core/xml.h"
 #include "materials/material_rules.h"
 #include "model/measure.h"
 #include "slicing/plan/statistics_sink.h"
@@ -142,6 +145,40 @@ TEST(BuildPlan, GivesAMaterialTheToolInWhichItCostsLeast) {
   // Purge goes before time.
   machine.tools[ToolId{0}].purge = 4.0;
   EXPECT_EQ(blocks.plan(machine).materials[0].tools, left);
+}
+
+TEST(BuildPlan, SaysThatAnotherToolMightCostLess) {
+  // Nine materials and nine tools of which no two are alike: 362 880 ways.
+  std::mt19937 random(3);
+  std::vector<std::string> holds(9, std::string(40, '.'));
+  std::vector<std::string> names;
+  Machine machine = plain_machine();
+  machine.tools = {};
+  machine.changes.clear();
+  for (std::size_t m = 0; m < holds.size(); ++m) {
+    names.emplace_back(1, static_cast<char>('a' + m));
+    for (char& mark : holds[m]) mark = random() % 2 == 0 ? '#' : '.';
+    machine.tools.push_back({"tool " + names.back(), {}, 40.0 + static_cast<double>(m), 200.0, 5.0});
+  }
+  for (const ToolId from : machine.tools.ids()) {
+    for (const ToolId to : machine.tools.ids()) {
+      const double purge = 1.0 + static_cast<double>(random() % 50);
+      if (from != to) machine.changes.push_back({from, to, 1.0, purge});
+    }
+  }
+  const BuildPlan plan = Blocks(holds, names).plan(machine);
+  ASSERT_TRUE(plan.matching);
+  EXPECT_FALSE(plan.matching->is_proved);
+  EXPECT_GT(plan.matching->weighed, 50U);
+  EXPECT_TRUE(plan.is_optimal());  // as to the number of changes, which is the same for all
+  double purge = 0.0;
+  for (const PlanMaterial& material : plan.materials) purge += material.purge;
+  const auto note = std::find_if(plan.findings.begin(), plan.findings.end(), [](const PlanFinding& one) {
+    return one.what.find("not proved to be the cheapest of all") != std::string::npos;
+  });
+  ASSERT_NE(note, plan.findings.end());
+  EXPECT_EQ(note->severity, Severity::note);
+  EXPECT_THAT(note->what, HasSubstr(std::to_string(plan.tool_changes) + " changes, " + format_double(purge) + " mm^3"));
 }
 
 TEST(BuildPlan, SaysThatToolsMustBeReloadedInsteadOfWeighingThem) {
