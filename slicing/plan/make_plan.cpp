@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "core/error.h"
@@ -7,20 +6,14 @@
 #include "slicing/compensated_sum.h"
 #include "slicing/plan/build_plan.h"
 #include "slicing/plan/load_tools.h"
-#include "slicing/plan/matching.h"
 #include "slicing/plan/order_tools.h"
 #include "slicing/plan/plan_times.h"
+#include "slicing/plan/tool_needs.h"
 #include "slicing/plan/weigh_matchings.h"
 
 namespace lamella {
 
 namespace {
-
-std::string joined(const std::vector<std::string>& names) {
-  std::string out;
-  for (const std::string& name : names) out += (out.empty() ? "" : ", ") + name;
-  return out;
-}
 
 /// Whole numbers of a unit, of which no sum that is asked for reaches 2^50: a millionth, or more where sums are huge.
 class WholeNumbers {
@@ -98,11 +91,7 @@ class Planner {
 
   /// Material of each tool on each layer. Throws what can't be.
   LoadSchedule load() {
-    LoadProblem problem;
-    problem.tools = machine_.tools.size();
-    problem.may_reload = machine_.allows_reloading;
-    const std::vector<MaterialId> materials = state_needs(problem);
-    refuse(judge_loads(problem), problem, materials);
+    const LoadProblem problem = state_needs(info_.materials, layers_, machine_);
     const auto laying = laying_times(problem);
     state_changes(problem, laying);
     if (const auto weighed = weigh(problem, laying)) return hold_loads(problem, *weighed);
@@ -110,104 +99,6 @@ class Planner {
     plan_.reloads = schedule.reloads;
     plan_.reloads_bound = schedule.lower_bound;
     return schedule;
-  }
-
-  /// Bit t says that tool t can hold the material and lay the layer.
-  [[nodiscard]] std::uint32_t tools_for(MaterialId material, const LayerStatistics& layer) const {
-    const std::string& name = info_.materials[material].name;
-    const double height = layer.z_top - layer.z_bottom;
-    std::uint32_t tools = 0;
-    std::string ranges;
-    for (const ToolId tool : machine_.tools.ids()) {
-      if (!machine_.can_hold(tool, name)) continue;
-      const Interval range = machine_.layers_of(tool);
-      if (takes_height(range, height)) tools |= 1U << tool.value();
-      ranges += (ranges.empty() ? "'" : ", '") + machine_.tools[tool].name + "' lays " + format_double(range.lo) +
-                " to " + format_double(range.hi) + " mm";
-    }
-    if (tools != 0) return tools;
-    if (ranges.empty()) {
-      throw InputError("no tool can hold the material '" + name + "'", machine_.source,
-                       "add <holds material=\"...\"/> to a tool, or choose another machine");
-    }
-    throw InputError("layer " + std::to_string(layer.index) + " of " + format_double(height) +
-                         " mm has the material '" + name + "', which no tool lays so: " + ranges,
-                     machine_.source, "slice again with --adaptive and --machine or with another --layer-height");
-  }
-
-  /// Fills in layers and holders; the result says which material each need of the problem is. A material is one need,
-  /// to be held by tools that suit all its layers, where there is such a tool; else it is several whose tools differ.
-  std::vector<MaterialId> state_needs(LoadProblem& problem) const {
-    std::vector<std::vector<std::uint32_t>> groups(info_.materials.size());
-    std::vector<std::vector<std::size_t>> group_of;  // per layer, beside its materials
-    for (const LayerStatistics& layer : layers_) {
-      group_of.emplace_back();
-      for (const MaterialStatistics& one : layer.materials) {
-        const std::uint32_t tools = tools_for(one.material, layer);
-        std::vector<std::uint32_t>& own = groups[one.material.value()];
-        auto group = std::find_if(own.begin(), own.end(), [&](std::uint32_t other) { return (other & tools) != 0; });
-        if (group == own.end()) group = own.insert(group, tools);
-        *group &= tools;
-        group_of.back().push_back(static_cast<std::size_t>(group - own.begin()));
-      }
-    }
-    std::vector<MaterialId> materials;
-    std::vector<std::uint32_t> first;
-    for (const MaterialId material : info_.materials.ids()) {
-      first.push_back(static_cast<std::uint32_t>(materials.size()));
-      for (const std::uint32_t tools : groups[material.value()]) {
-        materials.push_back(material);
-        problem.holders.push_back(tools);
-      }
-    }
-    for (std::size_t k = 0; k < layers_.size(); ++k) {
-      problem.layers.emplace_back();
-      for (std::size_t i = 0; i < group_of[k].size(); ++i) {
-        const std::size_t material = layers_[k].materials[i].material.value();
-        problem.layers.back().push_back(first[material] + static_cast<std::uint32_t>(group_of[k][i]));
-      }
-    }
-    return materials;
-  }
-
-  /// What of these needs has too few tools, where that isn't all of them.
-  [[nodiscard]] std::string crowd_of(const std::vector<std::uint32_t>& needs, const LoadProblem& problem,
-                                     const std::vector<MaterialId>& materials) const {
-    const auto crowd = find_crowd(needs, problem.holders);
-    if (!crowd || static_cast<std::size_t>(std::popcount(crowd->tools)) == problem.tools) return "";
-    std::vector<std::string> names;
-    for (const std::uint32_t need : crowd->materials) names.push_back(info_.materials[materials[need]].name);
-    std::vector<std::string> tools;
-    for (const ToolId tool : machine_.tools.ids()) {
-      if ((crowd->tools >> tool.value() & 1U) != 0) tools.push_back(machine_.tools[tool].name);
-    }
-    return ": " + joined(names) + " have but " + std::to_string(tools.size()) + " between them (" + joined(tools) +
-           ") for layers of that height";
-  }
-
-  void refuse(const LoadVerdict& verdict, const LoadProblem& problem, const std::vector<MaterialId>& materials) const {
-    switch (verdict.fault) {
-      case LoadFault::none:
-        return;
-      case LoadFault::material_fits_no_tool:
-        throw InputError("no tool can hold the material '" + info_.materials[materials[verdict.which]].name + "'",
-                         machine_.source, "add <holds material=\"...\"/> to a tool, or choose another machine");
-      case LoadFault::layer_needs_too_much: {
-        std::vector<std::string> names;
-        for (const std::uint32_t need : problem.layers[verdict.which]) {
-          names.push_back(info_.materials[materials[need]].name);
-        }
-        throw InputError("layer " + std::to_string(layers_[verdict.which].index) + " needs " +
-                             std::to_string(names.size()) + " materials at once (" + joined(names) +
-                             "), which don't fit the " + std::to_string(problem.tools) + " tools together" +
-                             crowd_of(problem.layers[verdict.which], problem, materials),
-                         machine_.source, "choose a machine with more tools, fewer materials, or turn the part");
-      }
-      case LoadFault::needs_reloading:
-        throw InputError("the build needs " + std::to_string(verdict.which) + " materials, the machine has " +
-                             std::to_string(problem.tools) + " tools and isn't reloaded",
-                         machine_.source, "set reload=\"between-layers\" where an operator can do it");
-    }
   }
 
   /// s by need and tool that can hold it, of all layers.
