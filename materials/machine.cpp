@@ -43,11 +43,11 @@ bool Machine::can_hold(ToolId tool, const std::string& material) const {
          std::any_of(globs.begin(), globs.end(), [&](const std::string& glob) { return matches_glob(glob, material); });
 }
 
-RampedMotion Machine::depositing(ToolId tool, const MaterialSettings& settings) const {
+RampedMotion Machine::depositing(ToolId tool, const MaterialSettings& material) const {
   const MachineTool& own = tools[tool];
-  const std::optional<double> stated = own.acceleration ? own.acceleration : acceleration;
-  return {settings.speed.value_or(own.speed),
-          settings.acceleration.value_or(stated.value_or(RampedMotion().acceleration))};
+  const std::optional<double> of_tool = own.acceleration ? own.acceleration : acceleration;
+  return {material.speed.value_or(own.speed),
+          material.acceleration.value_or(of_tool.value_or(RampedMotion().acceleration))};
 }
 
 RampedMotion Machine::traveling(ToolId tool) const {

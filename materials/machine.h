@@ -124,7 +124,7 @@ struct Machine {
   [[nodiscard]] ToolChange change(ToolId from, ToolId to) const;
   [[nodiscard]] bool can_hold(ToolId tool, const std::string& material) const;
   /// How the tool moves while it deposits what these settings are of, and between tracks.
-  [[nodiscard]] RampedMotion depositing(ToolId tool, const MaterialSettings& settings) const;
+  [[nodiscard]] RampedMotion depositing(ToolId tool, const MaterialSettings& material) const;
   [[nodiscard]] RampedMotion traveling(ToolId tool) const;
   /// Heights in mm of the layers that the tool lays: its own range within the machine's, empty (lo > hi) where they
   /// have none in common.

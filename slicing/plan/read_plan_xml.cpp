@@ -19,6 +19,12 @@ namespace {
   throw InputError(what, element.where(), "make the plan again with lamella plan");
 }
 
+std::string tag(std::string_view name) {
+  std::string text = "<";
+  text.append(name).append(">");
+  return text;
+}
+
 double not_negative(const XmlElement& element, const char* name) {
   const double value = element.number(name);
   if (value < 0.0) refuse(element, std::string(name) + " is negative");
@@ -77,9 +83,9 @@ class PlanReader {
 
   static std::size_t find_place(const XmlElement& element, std::size_t least) {
     const auto found = std::find(kParts.begin(), kParts.end(), element.name());
-    if (found == kParts.end()) refuse(element, "<plan> has an unknown element <" + std::string(element.name()) + ">");
+    if (found == kParts.end()) refuse(element, "<plan> has an unknown element " + tag(element.name()));
     const auto place = static_cast<std::size_t>(found - kParts.begin());
-    if (place < least) refuse(element, "<" + std::string(element.name()) + "> comes too late, or a second time");
+    if (place < least) refuse(element, tag(element.name()) + " comes too late, or a second time");
     skip_optional(element, least, place);
     return place;
   }
@@ -88,7 +94,7 @@ class PlanReader {
   static void skip_optional(const XmlElement& where, std::size_t from, std::size_t to) {
     for (std::size_t place = from; place < to; ++place) {
       if (kParts[place] == "orientation" || kParts[place] == "support") continue;
-      refuse(where, "no <" + std::string(kParts[place]) + "> above");
+      refuse(where, "no " + tag(kParts[place]) + " above");
     }
   }
 

@@ -103,6 +103,7 @@ class NeedFinder {
 
   [[nodiscard]] std::vector<std::string> names_of(const std::vector<std::uint32_t>& needs) const {
     std::vector<std::string> names;
+    names.reserve(needs.size());
     for (const std::uint32_t need : needs) names.push_back(names_[need]);
     return names;
   }

@@ -68,7 +68,10 @@ BuildPlan plan_of(std::size_t layers, std::size_t materials) {
   plan.width = 0.4;
   for (std::size_t m = 0; m < materials; ++m) {
     plan.tools.push_back("tool " + std::to_string(m));
-    plan.materials.push_back({"material " + std::to_string(m), {}, {ToolId{m}}, 1.1});
+    PlanMaterial& material = plan.materials.emplace_back();
+    material.name = "material " + std::to_string(m);
+    material.tools = {ToolId{m}};
+    material.density = 1.1;
   }
   for (std::size_t k = 0; k < layers; ++k) {
     const double z = 0.1 * static_cast<double>(k);
