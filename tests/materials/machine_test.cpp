@@ -97,6 +97,9 @@ TEST(Machine, TheAccelerationIsTheMaterialsElseTheToolsElseTheMachines) {
 }
 
 TEST(Machine, ReadsAccelerations) {
+  EXPECT_EQ(shipped("multi_nozzle.xml").depositing(ToolId{1}, {}).acceleration, 1000.0);
+  EXPECT_EQ(shipped("multi_nozzle.xml").traveling(ToolId{1}).acceleration, 5000.0);
+  EXPECT_EQ(shipped("multi_powder.xml").traveling(ToolId{0}).acceleration, 1e7);
   const Machine machine = read_machine(test::source_dir() / "schemas/valid/machine/every_attribute.xml");
   EXPECT_EQ(machine.acceleration, 3000.0);
   EXPECT_EQ(machine.travel_acceleration, 5000.0);
