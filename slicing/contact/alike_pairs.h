@@ -20,9 +20,10 @@ struct AlikePairs {
 };
 
 /// Sorts pairs of instances into those that are alike, by what the reader says about instances (SolidInfo::instance)
-/// and is_shifted() confirms. `pairs` are all that there are, so that they say who is near whom. Of what is alike, the
-/// one that lies lowest along y, then along x, comes first, neither ids nor the order of the file deciding. The faces
-/// of the solids of alike pairs have consecutive ids in the same order.
+/// and is_shifted() confirms; places agree to 1e-8 mm. `pairs` are all that there are, so that they say who is near
+/// whom. Of what is alike, the one that lies lowest along y, then along x, comes first, neither ids nor the order of
+/// the file deciding. One difference of ids leads from the faces of a solid to those of its like
+/// (have_parallel_faces()).
 [[nodiscard]] std::vector<AlikePairs> find_alike_pairs(const Scene& scene, std::span<const SolidPair> pairs);
 
 /// mm in the plane, from one solid to another that find_alike_pairs() took to be alike.
