@@ -175,11 +175,16 @@ bool all_sound(const Scene& scene) {
 }
 
 ExitCode run(const Session& session, const InfoOptions& options) {
-  if (options.write_materials) refuse_inputs_as_outputs({*options.write_materials}, options.files);
+  if (options.write_materials) {
+    std::vector<std::string> inputs = options.files;
+    if (options.materials) inputs.push_back(*options.materials);
+    refuse_inputs_as_outputs({*options.write_materials}, inputs);
+  }
   Assembly assembly = read_assembly(session, options.files, options.materials);
   measure_assembly(session, assembly);
   if (options.write_materials) {
-    write_file_atomically(*options.write_materials, starter_rules(assembly.scene, assembly.table));
+    const auto folder = std::filesystem::absolute(*options.write_materials).parent_path();
+    write_file_atomically(*options.write_materials, starter_rules(assembly.scene, assembly.table, folder));
   }
   const auto hopeless = find_hopeless(assembly.scene);
   if (session.json()) {
@@ -202,7 +207,7 @@ void add_info(CLI::App& program, CommonOptions& common, Action& action) {
   auto files = std::make_shared<std::vector<std::string>>();
   verb->add_option("files", *files, "STEP files; several are one assembly")->required()->type_name("FILE");
   add_value(*verb, "--materials", "show what this materials file makes of the solids", "M.xml");
-  add_value(*verb, "--write-materials", "write a starter materials file to edit", "M.xml");
+  add_value(*verb, "--write-materials", "write a materials file to edit: what the solids are made of now", "M.xml");
   add_common(*verb, common);
   verb->footer(
       "Examples:\n"
@@ -210,6 +215,7 @@ void add_info(CLI::App& program, CommonOptions& common, Action& action) {
       "  lamella info grip.step insert.step --json\n"
       "  lamella info grip.step --write-materials grip.xml\n"
       "  lamella info grip.step --materials grip.xml\n"
+      "  lamella info grip.step --materials shop.xml --write-materials grip.xml\n"
       "Lengths mm, areas mm^2, volumes mm^3. Exit code 0: all solids are sound, 2: nothing to slice, 3: some are not.");
   verb->final_callback([verb, files, &action] {
     const InfoOptions options{*files, given(*verb, "--materials"), given(*verb, "--write-materials")};

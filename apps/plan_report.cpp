@@ -70,6 +70,13 @@ std::string count_text(std::uint64_t count, std::uint64_t bound) {
   return count == bound ? fmt::format("{}", count) : fmt::format("{} (at least {})", count, bound);
 }
 
+std::string matching_text(const PlanMatching& matching) {
+  if (matching.is_proved)
+    return fmt::format("no other way to fill the tools costs less ({} weighed)\n", matching.weighed);
+  return fmt::format("tools filled in the cheapest of {} ways that were weighed; another may cost less\n",
+                     matching.weighed);
+}
+
 }  // namespace
 
 std::string time_text(double seconds) {
@@ -94,6 +101,8 @@ Json plan_json(const BuildPlan& plan) {
               {"tool_changes_bound", plan.tool_changes_bound},
               {"manual_changes", plan.reloads},
               {"manual_changes_bound", plan.reloads_bound},
+              {"matchings", plan.matching ? Json(plan.matching->weighed) : Json(nullptr)},
+              {"matching_proved", plan.matching ? Json(plan.matching->is_proved) : Json(nullptr)},
               {"change_time", plan.change_time},
               {"manual_change_time", plan.reload_time},
               {"machine_cost", plan.machine_cost},
@@ -118,6 +127,7 @@ std::string plan_text(const BuildPlan& plan) {
   text += fmt::format("tool changes {} ({}), manual changes {} ({})\n",
                       count_text(plan.tool_changes, plan.tool_changes_bound), time_text(plan.change_time),
                       count_text(plan.reloads, plan.reloads_bound), time_text(plan.reload_time));
+  if (plan.matching) text += matching_text(*plan.matching);
   text += "\n" + materials_text(plan);
   if (plan.support) {
     text += fmt::format("support: {}, {} mm^3, {} {}\n", plan.support->material, short_number(plan.support->volume),

@@ -17,6 +17,10 @@ namespace detail {
 struct XmlDocumentData {
   tinyxml2::XMLDocument tree;
   std::string name;
+  int first_line = 1;
+
+  /// "file:line" of a line of the text that was parsed.
+  [[nodiscard]] std::string where(int line) const { return name + ":" + std::to_string(first_line - 1 + line); }
 };
 
 }  // namespace detail
@@ -79,9 +83,9 @@ std::string read_bytes(const std::filesystem::path& path) {
 
 std::string_view XmlElement::name() const { return as_element(element_).Name(); }
 
-int XmlElement::line() const { return as_element(element_).GetLineNum(); }
+int XmlElement::line() const { return document_->first_line - 1 + as_element(element_).GetLineNum(); }
 
-std::string XmlElement::where() const { return document_->name + ":" + std::to_string(line()); }
+std::string XmlElement::where() const { return document_->where(as_element(element_).GetLineNum()); }
 
 std::string XmlElement::text() const {
   std::string out;
@@ -160,8 +164,8 @@ void XmlElement::allow_only(std::initializer_list<std::string_view> attributes,
   here.append(name()).append(">");
   for (const auto* a = as_element(element_).FirstAttribute(); a != nullptr; a = a->Next()) {
     if (contains(attributes, a->Name()) || belongs_to_xml(a->Name())) continue;
-    throw InputError(here + " has an unknown attribute '" + a->Name() + "'",
-                     document_->name + ":" + std::to_string(a->GetLineNum()), "known: " + joined(attributes));
+    throw InputError(here + " has an unknown attribute '" + a->Name() + "'", document_->where(a->GetLineNum()),
+                     "known: " + joined(attributes));
   }
   for (const XmlElement& child : this->children()) {
     if (contains(children, child.name())) continue;
@@ -178,26 +182,29 @@ XmlDocument& XmlDocument::operator=(XmlDocument&&) noexcept = default;
 
 XmlDocument XmlDocument::read(const std::filesystem::path& path) { return parse(read_bytes(path), path.string()); }
 
-XmlDocument XmlDocument::parse(std::string_view text, std::string name) {
+XmlDocument XmlDocument::parse(std::string_view text, std::string name, int first_line) {
   if (text.size() > kMaxBytes) throw InputError("XML file too large", name, "at most 64 MiB are read");
-  detail::scan_xml(text, name);
+  detail::scan_xml(text, name, first_line);
   auto data = std::make_unique<detail::XmlDocumentData>();
   data->name = std::move(name);
+  data->first_line = first_line;
   if (data->tree.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
     const std::string reason = tinyxml2::XMLDocument::ErrorIDToName(data->tree.ErrorID());
-    throw InputError("not well-formed XML (" + reason + ")",
-                     data->name + ":" + std::to_string(data->tree.ErrorLineNum()), "check the tags and quotes");
+    throw InputError("not well-formed XML (" + reason + ")", data->where(data->tree.ErrorLineNum()),
+                     "check the tags and quotes");
   }
   return XmlDocument(std::move(data));
 }
 
 XmlElement XmlDocument::root(std::string_view expected_name) const {
-  const XmlElement root(data_.get(), data_->tree.RootElement());
-  if (root.name() == expected_name) return root;
+  const XmlElement found = root();
+  if (found.name() == expected_name) return found;
   throw InputError(
-      "the root element is <" + std::string(root.name()) + ">, expected <" + std::string(expected_name) + ">",
-      root.where(), "is it the right file?");
+      "the root element is <" + std::string(found.name()) + ">, expected <" + std::string(expected_name) + ">",
+      found.where(), "is it the right file?");
 }
+
+XmlElement XmlDocument::root() const { return {data_.get(), data_->tree.RootElement()}; }
 
 void check_xml_head(const XmlElement& root, std::string_view name_space, std::string_view kind) {
   if (root.attribute_or("xmlns", "") != name_space) {

@@ -62,8 +62,8 @@ class XmlDocument {
 
   /// Reads and checks a file. Throws InputError with file and line.
   static XmlDocument read(const std::filesystem::path& path);
-  /// The same on text; `name` stands for the file in messages.
-  static XmlDocument parse(std::string_view text, std::string name);
+  /// The same on text; `name` stands for the file in messages, of which `first_line` is the text's first line.
+  static XmlDocument parse(std::string_view text, std::string name, int first_line = 1);
 
   ~XmlDocument();
   XmlDocument(XmlDocument&&) noexcept;
@@ -71,6 +71,8 @@ class XmlDocument {
 
   /// The root element; throws InputError unless it has this name.
   [[nodiscard]] XmlElement root(std::string_view expected_name) const;
+  /// The root element, whatever its name.
+  [[nodiscard]] XmlElement root() const;
 
  private:
   explicit XmlDocument(std::unique_ptr<detail::XmlDocumentData> data);

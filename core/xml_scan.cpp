@@ -17,7 +17,8 @@ bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; 
 /// Walks the text once, markup by markup.
 class Scanner {
  public:
-  Scanner(std::string_view text, const std::string& name) : text_(text), name_(name) {}
+  Scanner(std::string_view text, const std::string& name, int first_line)
+      : text_(text), name_(name), first_line_(first_line) {}
 
   void run() {
     check_characters();
@@ -29,7 +30,7 @@ class Scanner {
 
  private:
   [[noreturn]] void fail(const std::string& what, const std::string& hint) const {
-    const auto line = 1 + std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(at_), '\n');
+    const auto line = first_line_ + std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(at_), '\n');
     throw InputError(what, name_ + ":" + std::to_string(line), hint);
   }
 
@@ -145,6 +146,7 @@ class Scanner {
 
   std::string_view text_;
   const std::string& name_;
+  int first_line_;
   std::size_t at_ = 0;
   std::size_t elements_ = 0;
   int depth_ = 0;
@@ -152,6 +154,6 @@ class Scanner {
 
 }  // namespace
 
-void scan_xml(std::string_view text, const std::string& name) { Scanner(text, name).run(); }
+void scan_xml(std::string_view text, const std::string& name, int first_line) { Scanner(text, name, first_line).run(); }
 
 }  // namespace lamella::detail

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "export/decimal.h"
+
 namespace lamella::gcode {
 
 namespace {
@@ -62,6 +64,15 @@ std::string cool_tool(GcodeFlavor flavor, std::size_t tool) {
       break;
   }
   return "SET_HEATER_TEMPERATURE HEATER=" + klipper_extruder(tool) + " TARGET=0\n";
+}
+
+std::string set_acceleration(GcodeFlavor flavor, double tracks, double travels) {
+  std::string first;
+  append_decimal(first, tracks);
+  if (flavor == GcodeFlavor::klipper) return "SET_VELOCITY_LIMIT ACCEL=" + first + "\n";
+  std::string second;
+  append_decimal(second, travels);
+  return "M204 P" + first + " T" + second + "\n";
 }
 
 std::string heat_bed(GcodeFlavor flavor, double temperature) {

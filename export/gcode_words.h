@@ -18,6 +18,9 @@ namespace gcode {
 /// Heats a tool to the temperature and waits for it, or (0) lets it cool.
 [[nodiscard]] std::string heat_tool(GcodeFlavor flavor, std::size_t tool, double temperature);
 [[nodiscard]] std::string cool_tool(GcodeFlavor flavor, std::size_t tool);
+/// Has the firmware accelerate tracks and travels by these, mm/s^2, 1 or more. Klipper knows but one acceleration, of
+/// all that comes next: that of tracks is told it.
+[[nodiscard]] std::string set_acceleration(GcodeFlavor flavor, double tracks, double travels);
 [[nodiscard]] std::string heat_bed(GcodeFlavor flavor, double temperature);
 /// Stops until the operator goes on.
 [[nodiscard]] std::string pause(GcodeFlavor flavor, std::string_view message);

@@ -69,6 +69,18 @@ void GcodeWriter::leave_tool() {
   tool_.reset();
 }
 
+void GcodeWriter::accelerate(bool is_travel) {
+  const double tracks = machine_.depositing(*tool_, settings_).acceleration;
+  const double travels = machine_.traveling(*tool_).acceleration;
+  if (!std::isfinite(tracks) || !std::isfinite(travels)) return;
+  // Klipper knows but one, which has to be told anew.
+  const bool is_one = gcode_.flavor == GcodeFlavor::klipper;
+  const std::array<double, 2> told{is_one && is_travel ? travels : tracks, is_one ? 0.0 : travels};
+  if (told == acceleration_told_) return;
+  stream_ << gcode::set_acceleration(gcode_.flavor, told[0], told[1]);
+  acceleration_told_ = told;
+}
+
 void GcodeWriter::use_tool(ToolId tool, const MaterialSettings& settings, double purge) {
   const bool is_other = tool_ != tool;
   if (is_other) {
@@ -79,6 +91,7 @@ void GcodeWriter::use_tool(ToolId tool, const MaterialSettings& settings, double
     at_.reset();
     filament_ = 0.0;
     filament_told_ = 0;
+    acceleration_told_.reset();
   }
   settings_ = settings;
   double& temperature = temperature_[tool.value()];
@@ -106,7 +119,8 @@ void GcodeWriter::move_up(double z) {
 }
 
 void GcodeWriter::travel(const Vec2& to) {
-  const double speed = machine_.tools[*tool_].travel;
+  accelerate(true);
+  const double speed = machine_.traveling(*tool_).speed;
   line(fmt::format("G0 X{:.4f} Y{:.4f} F{:.0f}", to.x(), to.y(), speed * 60.0));
   at_ = to;
 }
@@ -121,7 +135,8 @@ void GcodeWriter::track(const Vec2& from, const Vec2& to, double volume) {
     travel(begin);
   }
   unretract();
-  const double speed = settings_.speed.value_or(machine_.tools[*tool_].speed);
+  accelerate(false);
+  const double speed = machine_.depositing(*tool_, settings_).speed;
   feed(volume * settings_.flow / filament_area_, speed, fmt::format(" X{:.4f} Y{:.4f}", end.x(), end.y()));
   at_ = end;
 }

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <ostream>
+#include <string>
 #include <vector>
 
 #include "core/geometry.h"
@@ -36,6 +38,8 @@ class GcodeWriter {
   void retract();
   void unretract();
   void leave_tool();
+  /// Tells the firmware how the tool in use is accelerated on what comes next, where the machine states it.
+  void accelerate(bool is_travel);
 
   std::ostream& stream_;
   const Machine& machine_;
@@ -47,6 +51,9 @@ class GcodeWriter {
   MaterialSettings settings_;
   std::optional<Vec2> at_;
   double z_ = 0.0;
+  /// mm/s^2 of tracks and travels, 0 of those that the firmware knows not; none where a change of tool may have set
+  /// others.
+  std::optional<std::array<double, 2>> acceleration_told_;
   double filament_ = 0.0;           ///< mm since the tool was chosen, retractions left out
   std::int64_t filament_told_ = 0;  ///< the same in 1e-5 mm as written
 };

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/xml.h"
 #include "materials/distance_row.h"
 #include "materials/part_distance.h"
 
@@ -147,6 +148,15 @@ class ExpressionSource final : public FieldSource {
       distance = std::make_shared<PartDistance>(scene, solid, std::nullopt, formulas_.front().where);
     }
     return std::make_shared<ExpressionField>(formulas_, detail_, std::move(distance));
+  }
+  [[nodiscard]] std::string element(const std::string& indent, const std::filesystem::path&) const override {
+    std::string lines = indent + "<expression";
+    if (detail_ > 0.0) lines += attribute_text("detail", format_double(detail_));
+    lines += ">\n";
+    for (const Formula& formula : formulas_) {
+      lines += indent + "  <fraction>" + xml_escape(formula.text) + "</fraction>\n";
+    }
+    return lines + indent + "</expression>\n";
   }
 
  private:

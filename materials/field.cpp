@@ -3,7 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/xml.h"
+
 namespace lamella {
+
+std::string attribute_text(const char* name, const std::string& value) {
+  return std::string(" ") + name + "=\"" + xml_escape(value) + "\"";
+}
 
 double repair_fractions(std::span<double> fractions) {
   double change = 0.0;

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <span>
+#include <string>
 
 #include "core/geometry.h"
 #include "model/scene.h"
@@ -52,7 +54,13 @@ class FieldSource {
   /// The field of a solid; solids that are copies of one body may share it. The scene must outlive it. Throws
   /// InputError, e.g. for face names that the solid doesn't have.
   [[nodiscard]] virtual std::shared_ptr<const Field> bind(const Scene& scene, SolidId solid) const = 0;
+  /// The element of materials.xml that describes the field (docs/formats/materials.md), as whole lines that begin with
+  /// `indent`, for a file in the folder `beside`: read from there it gives the same field. Tables become stops.
+  [[nodiscard]] virtual std::string element(const std::string& indent, const std::filesystem::path& beside) const = 0;
 };
+
+/// ` name="value"`, the value escaped.
+[[nodiscard]] std::string attribute_text(const char* name, const std::string& value);
 
 /// Clamps fractions to 0 or more and scales them to the sum 1; numbers that aren't finite become 0, and if nothing is
 /// left, all is the first component. Returns the largest change.

@@ -43,6 +43,21 @@ bool Machine::can_hold(ToolId tool, const std::string& material) const {
          std::any_of(globs.begin(), globs.end(), [&](const std::string& glob) { return matches_glob(glob, material); });
 }
 
+RampedMotion Machine::depositing(ToolId tool, const MaterialSettings& material) const {
+  const MachineTool& own = tools[tool];
+  const std::optional<double> of_tool = own.acceleration ? own.acceleration : acceleration;
+  return {material.speed.value_or(own.speed),
+          material.acceleration.value_or(of_tool.value_or(RampedMotion().acceleration))};
+}
+
+RampedMotion Machine::traveling(ToolId tool) const {
+  const MachineTool& own = tools[tool];
+  for (const auto& stated : {own.travel_acceleration, travel_acceleration, own.acceleration, acceleration}) {
+    if (stated) return {own.travel, *stated};
+  }
+  return {own.travel};
+}
+
 Interval Machine::layers_of(ToolId tool) const {
   const MachineTool& own = tools[tool];
   return {std::max(layer_min, own.layer_min.value_or(layer_min)),

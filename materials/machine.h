@@ -9,6 +9,7 @@
 
 #include "core/geometry.h"
 #include "core/ids.h"
+#include "materials/ramped_motion.h"
 
 namespace lamella {
 
@@ -33,6 +34,8 @@ struct MachineTool {
   double purge = 0.0;                              ///< mm^3 of the new material when a change leads to this tool
   std::optional<double> layer_min = std::nullopt;  ///< mm, of layers that it lays; absent: the machine's
   std::optional<double> layer_max = std::nullopt;
+  std::optional<double> acceleration = std::nullopt;         ///< mm/s^2 while it deposits; absent: the machine's
+  std::optional<double> travel_acceleration = std::nullopt;  ///< mm/s^2 between tracks; absent: the machine's
 };
 
 /// What changing from one tool to another takes, where it differs from the rest.
@@ -50,12 +53,13 @@ struct MaterialSettings {
   std::string match = "*";
   std::optional<double> price;  ///< in the machine's currency
   PriceUnit per = PriceUnit::kilogram;
-  std::optional<double> speed;  ///< mm/s, instead of the tool's
-  double exposure = 0.0;        ///< s a layer
-  double first_exposure = 0.0;  ///< s, of the first layers
-  double temperature = 0.0;     ///< degree Celsius, 0: leave it alone
-  double flow = 1.0;            ///< factor on the volume that is pushed out
-  double retraction = 0.0;      ///< mm of filament
+  std::optional<double> speed;         ///< mm/s, instead of the tool's
+  std::optional<double> acceleration;  ///< mm/s^2, instead of the tool's
+  double exposure = 0.0;               ///< s a layer
+  double first_exposure = 0.0;         ///< s, of the first layers
+  double temperature = 0.0;            ///< degree Celsius, 0: leave it alone
+  double flow = 1.0;                   ///< factor on the volume that is pushed out
+  double retraction = 0.0;             ///< mm of filament
   double retraction_speed = 0.0;
   std::optional<double> layer_min;  ///< mm, of adaptive layers that have the material
   std::optional<double> layer_max;
@@ -91,15 +95,17 @@ struct Machine {
   double layer_max = 0.0;
   double layer_step = 0.0;  ///< heights are layer_min plus a multiple of it; 0: any
   double layer_default = 0.0;
-  double layer_overhead = 0.0;         ///< s a layer
-  double width = 0.0;                  ///< of a track, a drop or a pixel
-  double swath = 0.0;                  ///< of a sweep, material jetting only
-  double turn = 0.0;                   ///< s from one sweep to the next
-  std::optional<double> self_support;  ///< a layer may overhang that far; absent: nothing needs support
-  int first_layers = 0;                ///< exposed longer
-  Vec3 shrink = Vec3::Zero();          ///< fraction that the part loses along each axis
-  double width_compensation = 0.0;     ///< mm that a track comes out wider than asked, on each side
-  double change_time = 0.0;            ///< s from tool to tool, where no ToolChange says otherwise
+  double layer_overhead = 0.0;                ///< s a layer
+  double width = 0.0;                         ///< of a track, a drop or a pixel
+  double swath = 0.0;                         ///< of a sweep, material jetting only
+  double turn = 0.0;                          ///< s from one sweep to the next
+  std::optional<double> self_support;         ///< a layer may overhang that far; absent: nothing needs support
+  int first_layers = 0;                       ///< exposed longer
+  std::optional<double> acceleration;         ///< mm/s^2 of tools that state none; absent: nothing is lost to it
+  std::optional<double> travel_acceleration;  ///< mm/s^2 between tracks; absent: as while depositing
+  Vec3 shrink = Vec3::Zero();                 ///< fraction that the part loses along each axis
+  double width_compensation = 0.0;            ///< mm that a track comes out wider than asked, on each side
+  double change_time = 0.0;                   ///< s from tool to tool, where no ToolChange says otherwise
   double change_cost = 0.0;
   bool allows_reloading = false;  ///< between layers an operator may load a tool with another material
   double reload_time = 0.0;
@@ -117,6 +123,9 @@ struct Machine {
   /// What the change from one tool to another takes; nothing for the same tool.
   [[nodiscard]] ToolChange change(ToolId from, ToolId to) const;
   [[nodiscard]] bool can_hold(ToolId tool, const std::string& material) const;
+  /// How the tool moves while it deposits what these settings are of, and between tracks.
+  [[nodiscard]] RampedMotion depositing(ToolId tool, const MaterialSettings& material) const;
+  [[nodiscard]] RampedMotion traveling(ToolId tool) const;
   /// Heights in mm of the layers that the tool lays: its own range within the machine's, empty (lo > hi) where they
   /// have none in common.
   [[nodiscard]] Interval layers_of(ToolId tool) const;

@@ -81,7 +81,10 @@ struct MaterialRules {
 /// Whether every selector that the rule sets matches.
 [[nodiscard]] bool rule_matches(const MaterialRule& rule, const SolidInfo& solid);
 
-/// A materials.xml that reproduces `table` on `scene`, one rule a solid group, for the user to edit.
-[[nodiscard]] std::string starter_rules(const Scene& scene, const MaterialTable& table);
+/// A materials.xml that reproduces `table` on `scene`, one rule a solid group, for the user to edit. Graded materials
+/// keep components and field, all of them how thick layers may be. `beside` is the folder that the file is for: grids
+/// are named from there.
+[[nodiscard]] std::string starter_rules(const Scene& scene, const MaterialTable& table,
+                                        const std::filesystem::path& beside = std::filesystem::current_path());
 
 }  // namespace lamella

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/xml.h"
 #include "materials/distance_row.h"
 #include "materials/part_distance.h"
 
@@ -77,18 +78,39 @@ class PositionField final : public Field {
   Position position_;
 };
 
+std::string vector_text(const Vec3& vector) {
+  return format_double(vector.x()) + " " + format_double(vector.y()) + " " + format_double(vector.z());
+}
+
+std::string element_of_stops(const std::string& name, const std::string& attributes, const Stops& stops,
+                             const std::string& indent) {
+  return indent + "<" + name + attributes + ">\n" + stops.elements(indent + "  ") + indent + "</" + name + ">\n";
+}
+
 class SameForAll final : public FieldSource {
  public:
-  explicit SameForAll(std::shared_ptr<const Field> field) : field_(std::move(field)) {}
+  SameForAll(std::shared_ptr<const Field> field, std::string name, std::string attributes, Stops stops)
+      : field_(std::move(field)),
+        name_(std::move(name)),
+        attributes_(std::move(attributes)),
+        stops_(std::move(stops)) {}
   [[nodiscard]] std::shared_ptr<const Field> bind(const Scene&, SolidId) const override { return field_; }
+  [[nodiscard]] std::string element(const std::string& indent, const std::filesystem::path&) const override {
+    return element_of_stops(name_, attributes_, stops_, indent);
+  }
 
  private:
   std::shared_ptr<const Field> field_;
+  std::string name_;
+  std::string attributes_;
+  Stops stops_;
 };
 
 template <class Position>
-std::shared_ptr<const FieldSource> same_for_all(Stops stops, Position position) {
-  return std::make_shared<SameForAll>(std::make_shared<PositionField<Position>>(std::move(stops), std::move(position)));
+std::shared_ptr<const FieldSource> same_for_all(std::string name, std::string attributes, const Stops& stops,
+                                                Position position) {
+  return std::make_shared<SameForAll>(std::make_shared<PositionField<Position>>(stops, std::move(position)),
+                                      std::move(name), std::move(attributes), stops);
 }
 
 class DistanceField final : public Field {
@@ -112,6 +134,9 @@ class DistanceSource final : public FieldSource {
   [[nodiscard]] std::shared_ptr<const Field> bind(const Scene& scene, SolidId solid) const override {
     return std::make_shared<DistanceField>(stops_, std::make_shared<PartDistance>(scene, solid, faces_, where_));
   }
+  [[nodiscard]] std::string element(const std::string& indent, const std::filesystem::path&) const override {
+    return element_of_stops("distance", faces_ ? attribute_text("faces", *faces_) : "", stops_, indent);
+  }
 
  private:
   std::optional<std::string> faces_;
@@ -122,16 +147,20 @@ class DistanceSource final : public FieldSource {
 }  // namespace
 
 std::shared_ptr<const FieldSource> make_axis_field(const Vec3& origin, const Vec3& direction, Stops stops) {
-  return same_for_all(std::move(stops),
+  const std::string attributes =
+      attribute_text("origin", vector_text(origin)) + attribute_text("direction", vector_text(direction));
+  return same_for_all("axis", attributes, stops,
                       [origin, direction](const Vec3& point) { return direction.dot(point - origin); });
 }
 
 std::shared_ptr<const FieldSource> make_radial_field(const Vec3& origin, const std::optional<Vec3>& direction,
                                                      Stops stops) {
+  std::string attributes = attribute_text("origin", vector_text(origin));
   if (!direction) {
-    return same_for_all(std::move(stops), [origin](const Vec3& point) { return (point - origin).norm(); });
+    return same_for_all("radial", attributes, stops, [origin](const Vec3& point) { return (point - origin).norm(); });
   }
-  return same_for_all(std::move(stops), [origin, direction = *direction](const Vec3& point) {
+  attributes += attribute_text("direction", vector_text(*direction));
+  return same_for_all("radial", attributes, stops, [origin, direction = *direction](const Vec3& point) {
     return direction.cross(point - origin).norm();
   });
 }

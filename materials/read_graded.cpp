@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -53,6 +54,9 @@ Vec3 read_vector(const XmlElement& element, const char* attribute, const Vec3& f
 Vec3 read_direction(const XmlElement& element) {
   const Vec3 direction = read_vector(element, "direction", Vec3::UnitZ());
   const double length = direction.norm();
+  // What is a unit vector but for rounding is left as it is, so that it stays the same when it is written and read
+  // again.
+  if (std::abs(length - 1.0) <= 4.0 * std::numeric_limits<double>::epsilon()) return direction;
   if (length > 0.0 && std::isfinite(length)) return direction / length;
   throw InputError("a direction without length", element.where(), "write \"x y z\", not all zero");
 }

@@ -123,7 +123,8 @@ class MachineReader {
   }
 
   void read_deposition(const XmlElement& element) {
-    element.allow_only({"width", "swath", "turn", "self_support", "first_layers"}, {});
+    element.allow_only(
+        {"width", "swath", "turn", "self_support", "first_layers", "acceleration", "travel_acceleration"}, {});
     refuse_text(element);
     machine_.width = positive(element, "width", "mm");
     machine_.turn = not_negative(element, "turn", "s");
@@ -139,6 +140,26 @@ class MachineReader {
                        sweeps ? "give the width of a sweep in mm" : "remove it");
     }
     if (sweeps) machine_.swath = positive(element, "swath", "mm");
+    machine_.acceleration = read_acceleration(element, "acceleration");
+    machine_.travel_acceleration = read_acceleration(element, "travel_acceleration");
+  }
+
+  /// Nothing where it isn't stated. Where a tool or a material states one the machine has to, so that there is one for
+  /// every move, and each can be given back after another.
+  [[nodiscard]] std::optional<double> read_acceleration(const XmlElement& element, const char* name) const {
+    if (!element.has(name)) return std::nullopt;
+    const bool is_of_travel = std::string_view(name) == "travel_acceleration";
+    if (machine_.technology == Technology::vat) {
+      throw InputError("a vat machine moves nothing that is to be accelerated", element.where(),
+                       "remove " + std::string(name));
+    }
+    if (is_of_travel && machine_.technology == Technology::material_jetting) {
+      throw InputError("a machine that sweeps has no travels", element.where(), "remove travel_acceleration");
+    }
+    const double value = number_within(element, name, 1.0, kLargest, "mm/s^2");
+    if (machine_.acceleration || (!is_of_travel && element.name() == "deposition")) return value;
+    throw InputError(std::string(name) + " without the machine's own", element.where(),
+                     "give <deposition> an acceleration, for the moves that state none");
   }
 
   void read_compensation(const XmlElement& element) {
@@ -172,7 +193,9 @@ class MachineReader {
   }
 
   void read_tool(const XmlElement& element) {
-    element.allow_only({"name", "speed", "travel", "purge", "layer_min", "layer_max"}, {"holds"});
+    element.allow_only(
+        {"name", "speed", "travel", "purge", "layer_min", "layer_max", "acceleration", "travel_acceleration"},
+        {"holds"});
     MachineTool tool;
     tool.name = read_name(element, "name");
     if (!tool_ids_.emplace(tool.name, ToolId{machine_.tools.size()}).second) {
@@ -182,6 +205,8 @@ class MachineReader {
     const bool moves = machine_.technology != Technology::vat;
     tool.speed = positive(element, "speed", "mm/s", moves ? std::nullopt : std::optional<double>(0.0));
     tool.travel = positive(element, "travel", "mm/s", tool.speed);
+    tool.acceleration = read_acceleration(element, "acceleration");
+    tool.travel_acceleration = read_acceleration(element, "travel_acceleration");
     tool.purge = not_negative(element, "purge", "mm^3");
     tool.layer_min = read_thickness(element, "layer_min");
     tool.layer_max = read_thickness(element, "layer_max");
@@ -226,7 +251,7 @@ class MachineReader {
 
   void read_settings(const XmlElement& element) {
     element.allow_only({"match", "price", "per", "speed", "exposure", "first_exposure", "temperature", "flow",
-                        "retraction", "retraction_speed", "layer_min", "layer_max"},
+                        "retraction", "retraction_speed", "layer_min", "layer_max", "acceleration"},
                        {});
     refuse_text(element);
     MaterialSettings one;
@@ -237,6 +262,7 @@ class MachineReader {
     }
     read_price(element, one.price, one.per);
     if (element.has("speed")) one.speed = positive(element, "speed", "mm/s");
+    one.acceleration = read_acceleration(element, "acceleration");
     one.exposure = not_negative(element, "exposure", "s");
     one.first_exposure = element.has("first_exposure") ? not_negative(element, "first_exposure", "s") : one.exposure;
     one.temperature = number_within(element, "temperature", 0.0, 3000.0, "degrees Celsius", 0.0);

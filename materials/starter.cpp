@@ -1,9 +1,11 @@
+#include <algorithm>
 #include <array>
 #include <map>
 #include <vector>
 
 #include "core/xml.h"
 #include "materials/color.h"
+#include "materials/field.h"
 #include "materials/glob.h"
 #include "materials/material_rules.h"
 
@@ -30,14 +32,35 @@ constexpr std::array kSelectors{SelectorKind{"step_material", select_step_materi
                                 SelectorKind{"color", select_color}, SelectorKind{"name", select_name},
                                 SelectorKind{"path", select_path}};
 
-std::string attribute(const char* name, const std::string& value) {
-  return std::string(" ") + name + "=\"" + xml_escape(value) + "\"";
+std::string limits_text(const ThicknessLimits& limits) {
+  std::string text;
+  if (limits.deviation) text += attribute_text("deviation", format_double(*limits.deviation));
+  if (limits.least) text += attribute_text("layer_min", format_double(*limits.least));
+  if (limits.most) text += attribute_text("layer_max", format_double(*limits.most));
+  return text;
 }
 
-std::string material_line(const Material& material) {
-  std::string line = "    <material" + attribute("name", material.name);
-  if (material.density) line += attribute("density", format_double(*material.density));
-  return line + attribute("color", format_color(material.color)) + "/>\n";
+/// A graded material with its components and its field, a plain one on a line.
+std::string material_lines(const Material& material, const MaterialTable& table, const std::filesystem::path& beside) {
+  const bool is_graded = material.is_graded() && material.field != nullptr;
+  std::string lines =
+      std::string("    <") + (is_graded ? "graded" : "material") + attribute_text("name", material.name);
+  if (material.density && !is_graded) lines += attribute_text("density", format_double(*material.density));
+  lines += attribute_text("color", format_color(material.color)) + limits_text(material.layers);
+  if (!is_graded) return lines + "/>\n";
+  lines += ">\n";
+  for (const MaterialId component : material.components) {
+    lines += "      <component" + attribute_text("material", table.materials[component].name) + "/>\n";
+  }
+  return lines + material.field->element("      ", beside) + "    </graded>\n";
+}
+
+/// Files of plain materials are read by every program that reads version 1.0.
+const char* version_for(const MaterialTable& table) {
+  const bool is_plain = std::all_of(table.materials.begin(), table.materials.end(), [](const Material& material) {
+    return !material.is_graded() && limits_text(material.layers).empty();
+  });
+  return is_plain ? "1.0" : "1.3";
 }
 
 /// Writes rules until every solid is covered by one that gives it the table's material and priority. Paths are unique,
@@ -70,9 +93,9 @@ class RuleWriter {
       if (has.material != wanted.material || has.priority != wanted.priority) return;
     }
     for (const SolidId solid : solids) covered_[solid] = 1;
-    lines_ += "    <assign" + attribute(kind.attribute, text);
-    lines_ += attribute("material", table_.materials[wanted.material].name);
-    if (wanted.priority != 0) lines_ += attribute("priority", std::to_string(wanted.priority));
+    lines_ += "    <assign" + attribute_text(kind.attribute, text);
+    lines_ += attribute_text("material", table_.materials[wanted.material].name);
+    if (wanted.priority != 0) lines_ += attribute_text("priority", std::to_string(wanted.priority));
     lines_ += "/>\n";
   }
 
@@ -83,7 +106,9 @@ class RuleWriter {
 };
 
 constexpr const char* kHead = R"(<?xml version="1.0" encoding="UTF-8"?>
-<materials xmlns="urn:lamella:materials:1" version="1.0">
+<materials xmlns="urn:lamella:materials:1" version=")";
+
+constexpr const char* kLibrary = R"(">
   <!-- density in g/cm^3; priority (higher wins where solids overlap) may be added to a material or an assign -->
   <library>
 )";
@@ -95,9 +120,9 @@ constexpr const char* kMiddle = R"(  </library>
 
 }  // namespace
 
-std::string starter_rules(const Scene& scene, const MaterialTable& table) {
-  std::string out = kHead;
-  for (const Material& material : table.materials) out += material_line(material);
+std::string starter_rules(const Scene& scene, const MaterialTable& table, const std::filesystem::path& beside) {
+  std::string out = std::string(kHead) + version_for(table) + kLibrary;
+  for (const Material& material : table.materials) out += material_lines(material, table, beside);
   out += kMiddle;
   out += RuleWriter(scene, table).run();
   return out + "  </assignments>\n</materials>\n";

@@ -95,6 +95,20 @@ void Stops::sample(double position, std::span<double> fractions) const {
   for (std::size_t c = 0; c < components_; ++c) fractions[c] = (1.0 - part) * before[c] + part * behind[c];
 }
 
+std::string Stops::elements(const std::string& indent) const {
+  std::string lines;
+  for (std::size_t i = 0; i < positions_.size(); ++i) {
+    std::string fractions;
+    for (std::size_t c = 0; c < components_; ++c) {
+      if (c > 0) fractions += ' ';
+      fractions += format_double(fractions_[i * components_ + c]);
+    }
+    lines += indent + "<stop" + attribute_text("at", format_double(positions_[i])) +
+             attribute_text("fractions", fractions) + "/>\n";
+  }
+  return lines;
+}
+
 double Stops::steepest() const {
   double most = 0.0;
   for (std::size_t i = components_; i < fractions_.size(); ++i) {

@@ -25,6 +25,9 @@ class Stops {
 
   void sample(double position, std::span<double> fractions) const;
 
+  /// The <stop>s of materials.xml, a line each behind `indent`.
+  [[nodiscard]] std::string elements(const std::string& indent) const;
+
   [[nodiscard]] std::size_t components() const { return components_; }
   [[nodiscard]] bool empty() const { return positions_.empty(); }
   [[nodiscard]] double last() const { return positions_.back(); }

@@ -145,11 +145,20 @@ class VdbField final : public Field {
 
 class VdbSource final : public FieldSource {
  public:
-  explicit VdbSource(std::shared_ptr<const Field> field) : field_(std::move(field)) {}
+  VdbSource(std::shared_ptr<const Field> field, std::filesystem::path file, std::vector<std::string> grids)
+      : field_(std::move(field)), file_(std::move(file)), grids_(std::move(grids)) {}
   [[nodiscard]] std::shared_ptr<const Field> bind(const Scene&, SolidId) const override { return field_; }
+  [[nodiscard]] std::string element(const std::string& indent, const std::filesystem::path& beside) const override {
+    const std::filesystem::path file = std::filesystem::proximate(std::filesystem::absolute(file_), beside);
+    std::string lines = indent + "<grid" + attribute_text("file", file.string()) + ">\n";
+    for (const std::string& grid : grids_) lines += indent + "  <fraction" + attribute_text("grid", grid) + "/>\n";
+    return lines + indent + "</grid>\n";
+  }
 
  private:
   std::shared_ptr<const Field> field_;
+  std::filesystem::path file_;
+  std::vector<std::string> grids_;
 };
 
 }  // namespace
@@ -161,7 +170,7 @@ std::shared_ptr<const FieldSource> make_vdb_field(const std::filesystem::path& f
     throw InputError(std::to_string(grids.size()) + " grids for " + std::to_string(components) + " components", where,
                      "give one for each component, or one less: the last component is what is left");
   }
-  return std::make_shared<VdbSource>(std::make_shared<VdbField>(read_grids(file, grids, where)));
+  return std::make_shared<VdbSource>(std::make_shared<VdbField>(read_grids(file, grids, where)), file, grids);
 }
 
 }  // namespace lamella

@@ -60,4 +60,17 @@ bool is_shifted(const Scene& scene, SolidId a, SolidId b, const Vec3& offset) {
   return true;
 }
 
+bool have_parallel_faces(const Scene& scene, SolidId a, SolidId b) {
+  const IdRange<ShellId> shells_a = scene.solids[a].shells;
+  const IdRange<ShellId> shells_b = scene.solids[b].shells;
+  const auto first_face = [&](const IdRange<ShellId>& shells, std::size_t i) {
+    return scene.shells[ShellId{shells.first.value() + i}].faces.first.value();
+  };
+  for (std::size_t i = 1; i < shells_a.count; ++i) {
+    if (first_face(shells_a, i) - first_face(shells_a, 0) != first_face(shells_b, i) - first_face(shells_b, 0))
+      return false;
+  }
+  return true;
+}
+
 }  // namespace lamella

@@ -9,4 +9,8 @@ namespace lamella {
 /// (SolidInfo::instance) holds only until somebody changes the scene; this tells.
 [[nodiscard]] bool is_shifted(const Scene& scene, SolidId a, SolidId b, const Vec3& offset);
 
+/// Whether one difference of ids leads from the faces of `a` to those of `b`, in their order. Both have as many shells,
+/// of as many faces each.
+[[nodiscard]] bool have_parallel_faces(const Scene& scene, SolidId a, SolidId b);
+
 }  // namespace lamella

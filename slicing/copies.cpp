@@ -90,20 +90,6 @@ Trait trait_of(const Scene& scene, SolidId solid, const Vec3& corner) {
   return {info.file, instance.body, turn, instance.shift.z(), rounded(0), rounded(1)};
 }
 
-/// Faces of a solid are contiguous where one difference of ids leads from those of `a` to those of `b`.
-bool have_parallel_ids(const Scene& scene, SolidId a, SolidId b) {
-  const IdRange<ShellId> shells_a = scene.solids[a].shells;
-  const IdRange<ShellId> shells_b = scene.solids[b].shells;
-  const auto first_face = [&](const IdRange<ShellId>& shells, std::size_t i) {
-    return scene.shells[ShellId{shells.first.value() + i}].faces.first.value();
-  };
-  for (std::size_t i = 1; i < shells_a.count; ++i) {
-    if (first_face(shells_a, i) - first_face(shells_a, 0) != first_face(shells_b, i) - first_face(shells_b, 0))
-      return false;
-  }
-  return true;
-}
-
 /// The sorted traits of a cluster; empty if one of its solids isn't known as an instance of a sound body. Its solids
 /// are brought into the same order.
 std::vector<Trait> traits_of(const Scene& scene, Cluster& cluster) {
@@ -135,7 +121,7 @@ bool is_copy(const Scene& scene, const Cluster& first, const Cluster& other) {
     const Vec3 miss = shift(other.solids[i]) - shift(first.solids[i]) - offset;
     if (!(miss.cwiseAbs().maxCoeff() <= kSamePlace)) return false;
     if (!is_shifted(scene, first.solids[i], other.solids[i], offset)) return false;
-    if (!have_parallel_ids(scene, first.solids[i], other.solids[i])) return false;
+    if (!have_parallel_faces(scene, first.solids[i], other.solids[i])) return false;
   }
   return true;
 }

@@ -14,6 +14,7 @@
 #include "model/evaluate.h"
 #include "model/rational_form.h"
 #include "model/trim.h"
+#include "slicing/contact/alike_pairs.h"
 
 namespace lamella {
 
@@ -32,16 +33,14 @@ constexpr int kMaxHalvings = 24;
 /// Cosine of half a right angle: faces that lie along one another are all but parallel, and opposite.
 constexpr double kOpposite = 0.7;
 
-using Pair = std::pair<SolidId, SolidId>;
-
 /// Solids whose boxes come within `reach`, found along x. The first has the higher rank.
-std::vector<Pair> near_pairs(const IdVector<SolidId, SolidMeasure>& measures, const IdVector<SolidId, int>& rank,
-                             std::span<const SolidId> solids, double reach) {
+std::vector<SolidPair> near_pairs(const IdVector<SolidId, SolidMeasure>& measures, const IdVector<SolidId, int>& rank,
+                                  std::span<const SolidId> solids, double reach) {
   std::vector<SolidId> sorted(solids.begin(), solids.end());
   const auto lowest = [&](SolidId solid) { return measures[solid].bounds.min().x(); };
   std::sort(sorted.begin(), sorted.end(),
             [&](SolidId a, SolidId b) { return std::pair(lowest(a), a) < std::pair(lowest(b), b); });
-  std::vector<Pair> pairs;
+  std::vector<SolidPair> pairs;
   for (std::size_t i = 0; i < sorted.size(); ++i) {
     const Box3& box = measures[sorted[i]].bounds;
     for (std::size_t j = i + 1; j < sorted.size() && lowest(sorted[j]) <= box.max().x() + reach; ++j) {
@@ -57,7 +56,7 @@ std::vector<Pair> near_pairs(const IdVector<SolidId, SolidMeasure>& measures, co
 class PairSearch {
  public:
   /// `neighbors` are all solids that lie near the first one.
-  PairSearch(const SolidDistances& distances, const Pair& pair, const Box3& other_bounds,
+  PairSearch(const SolidDistances& distances, const SolidPair& pair, const Box3& other_bounds,
              std::span<const SolidId> neighbors, const ContactOptions& options)
       : distances_(distances),
         scene_(distances.scene()),
@@ -253,7 +252,7 @@ class PairSearch {
 
   const SolidDistances& distances_;
   const Scene& scene_;
-  Pair pair_;
+  SolidPair pair_;
   const Box3& bounds_;
   std::span<const SolidId> neighbors_;
   const ContactOptions& options_;
@@ -262,41 +261,20 @@ class PairSearch {
   std::set<FaceId> faces_;
 };
 
-/// Which solids are copies of which: of the solids of further copies, the cluster, the copy and the place in it.
-struct CopyOf {
-  std::size_t cluster = 0;
-  std::size_t copy = 0;
-  std::size_t place = 0;
-};
-
-std::map<SolidId, CopyOf> places_of(const std::vector<CopiedCluster>& clusters) {
-  std::map<SolidId, CopyOf> places;
-  for (std::size_t k = 0; k < clusters.size(); ++k) {
-    for (std::size_t copy = 0; copy < clusters[k].copies.size(); ++copy) {
-      const auto& solids = clusters[k].copies[copy].solids;
-      for (std::size_t i = 0; i < solids.size(); ++i) places[solids[i]] = {k, copy, i};
-    }
-  }
-  return places;
-}
-
-/// Faces of a cluster's solids are numbered alike from copy to copy.
-Contact moved(const Scene& scene, const Contact& contact, const CopiedCluster& cluster, std::size_t copy,
-              const std::map<SolidId, CopyOf>& places) {
+/// The contact of a pair that is like the one that was searched. Faces of the solids of both are numbered alike.
+Contact moved(const Scene& scene, const Contact& contact, const SolidPair& from, const SolidPair& to) {
   Contact out = contact;
-  const auto renamed = [&](SolidId solid) { return cluster.copies[copy].solids[places.at(solid).place]; };
-  const auto [first, second] = std::minmax({renamed(contact.first), renamed(contact.second)});
-  out.first = first;
-  out.second = second;
+  std::tie(out.first, out.second) = std::minmax(to.first, to.second);
   const auto first_face = [&](SolidId solid) {
     return scene.shells[scene.solids[solid].shells.first].faces.first.value();
   };
   for (FaceId& face : out.faces) {
     const SolidId solid = scene.solid_of(face);
-    face = FaceId{face.value() + first_face(renamed(solid)) - first_face(solid)};
+    const SolidId renamed = solid == from.first ? to.first : to.second;
+    face = FaceId{face.value() + first_face(renamed) - first_face(solid)};
   }
   std::sort(out.faces.begin(), out.faces.end());
-  out.offset = Vec3(cluster.offsets[copy].x(), cluster.offsets[copy].y(), 0.0);
+  out.offset = shift_between(scene, from.first, to.first);
   if (out.patches) out.box.translate(out.offset);
   return out;
 }
@@ -311,37 +289,30 @@ double touching_distance(const Scene& scene, FaceId a, FaceId b, const std::opti
 std::vector<Contact> find_contacts(const SolidDistances& distances, const IdVector<SolidId, SolidMeasure>& measures,
                                    const IdVector<SolidId, int>& rank, std::span<const SolidId> solids,
                                    const ContactOptions& options, const Progress& progress) {
-  const std::vector<CopiedCluster> clusters = find_copies(distances.scene(), measures, solids);
-  const std::map<SolidId, CopyOf> places = places_of(clusters);
-  const auto is_copy = [&](SolidId solid) { return places.contains(solid) && places.at(solid).copy > 0; };
-  std::vector<Pair> pairs = near_pairs(measures, rank, solids, options.reach);
-  std::erase_if(pairs, [&](const Pair& pair) { return is_copy(pair.first) || is_copy(pair.second); });
+  const std::vector<SolidPair> pairs = near_pairs(measures, rank, solids, options.reach);
+  const std::vector<AlikePairs> alike = find_alike_pairs(distances.scene(), pairs);
   std::map<SolidId, std::vector<SolidId>> neighbors;
   for (const auto& [first, second] : pairs) {
     neighbors[first].push_back(second);
     neighbors[second].push_back(first);
   }
-  std::vector<Contact> found(pairs.size());
+  std::vector<Contact> found(alike.size());
   parallel_for(
-      pairs.size(),
+      alike.size(),
       [&](std::size_t i) {
         progress.throw_if_cancelled();
-        const auto& [first, second] = pairs[i];
-        found[i] = PairSearch(distances, pairs[i], measures[second].bounds, neighbors.at(first), options).run();
+        const SolidPair& pair = pairs[alike[i].first];
+        const Box3& bounds = measures[pair.second].bounds;
+        found[i] = PairSearch(distances, pair, bounds, neighbors.at(pair.first), options).run();
       },
       options.threads);
   std::vector<Contact> contacts;
-  for (Contact& contact : found) {
-    if (!contact.patches && !(contact.gap_area > 0.0)) continue;
-    const auto place = places.find(contact.first);
-    const bool is_copied = place != places.end() && places.contains(contact.second);
-    if (is_copied) {
-      const CopiedCluster& cluster = clusters[place->second.cluster];
-      for (std::size_t copy = 1; copy < cluster.copies.size(); ++copy) {
-        contacts.push_back(moved(distances.scene(), contact, cluster, copy, places));
-      }
+  for (std::size_t i = 0; i < alike.size(); ++i) {
+    if (!found[i].patches && !(found[i].gap_area > 0.0)) continue;
+    for (const std::size_t other : alike[i].like) {
+      contacts.push_back(moved(distances.scene(), found[i], pairs[alike[i].first], pairs[other]));
     }
-    contacts.push_back(std::move(contact));
+    contacts.push_back(std::move(found[i]));
   }
   std::sort(contacts.begin(), contacts.end(), [](const Contact& a, const Contact& b) {
     return std::pair(a.first, a.second) < std::pair(b.first, b.second);

@@ -8,7 +8,6 @@
 #include "core/progress.h"
 #include "model/measure.h"
 #include "slicing/contact/solid_distances.h"
-#include "slicing/copies.h"
 
 namespace lamella {
 
@@ -32,14 +31,15 @@ struct Contact {
   std::vector<FaceId> faces;   ///< that touch, of both solids, ascending
   double tolerance = 0.0;      ///< mm, the largest of the pairs of faces
   Box3 box;                    ///< of the patches and their radii, moved by the offset
-  double touching_area = 0.0;  ///< mm^2, to about its perimeter times 1/128 of a face's size
-  double largest_gap = 0.0;    ///< mm, of what touches
-  double gap_area = 0.0;       ///< mm^2 of what is wider than the tolerance
-  double gap_volume = 0.0;     ///< mm^3 of it
-  double least_gap = 0.0;      ///< mm
-  double widest_gap = 0.0;     ///< mm
-  Interval touching_z;         ///< mm; lo > hi if nothing touches
-  Interval gap_z;              ///< mm; likewise
+  double touching_area =
+      0.0;  ///< mm^2, to its perimeter times 1/16 of a face's size; exact where faces are covered whole
+  double largest_gap = 0.0;  ///< mm, of what touches
+  double gap_area = 0.0;     ///< mm^2 of what is wider than the tolerance
+  double gap_volume = 0.0;   ///< mm^3 of it
+  double least_gap = 0.0;    ///< mm
+  double widest_gap = 0.0;   ///< mm
+  Interval touching_z;       ///< mm; lo > hi if nothing touches
+  Interval gap_z;            ///< mm; likewise
 };
 
 struct ContactOptions {
@@ -50,8 +50,8 @@ struct ContactOptions {
 
 /// All contacts of pairs of `solids`, in the order of their ids. Faces of the solid of higher `rank` are divided until
 /// their pieces are small, and the distance of each piece's middle from the other solid is asked for, so the result
-/// doesn't depend on ids. Of solids that are copies of others (find_copies) the first copies' contacts are taken over.
-/// Throws Cancelled when asked.
+/// doesn't depend on ids. Pairs that are shifted copies of others with all that is near them (find_alike_pairs) take
+/// over the contact of the first of them. Throws Cancelled when asked.
 [[nodiscard]] std::vector<Contact> find_contacts(const SolidDistances& distances,
                                                  const IdVector<SolidId, SolidMeasure>& measures,
                                                  const IdVector<SolidId, int>& rank, std::span<const SolidId> solids,

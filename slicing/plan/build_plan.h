@@ -63,6 +63,13 @@ struct PlanFinding {
   std::string hint;
 };
 
+/// How the tools were chosen where each material can stay in one for the whole build.
+struct PlanMatching {
+  std::uint64_t weighed =
+      1;                  ///< matchings of materials to tools whose cost was found, alike tools standing for each other
+  bool is_proved = true;  ///< that none costs less: changes first, then purge, then time
+};
+
 /// How a build is made on a machine (docs/methods/build-plan.md). Ids are those of the build and of the machine.
 struct BuildPlan {
   std::string machine;
@@ -80,8 +87,9 @@ struct BuildPlan {
   std::uint64_t tool_changes_bound = 0;
   std::uint64_t reloads = 0;
   std::uint64_t reloads_bound = 0;
-  double time = 0.0;  ///< s
-  double cost = 0.0;  ///< of what has a price
+  std::optional<PlanMatching> matching;  ///< absent where tools are reloaded, and in plans before version 1.2
+  double time = 0.0;                     ///< s
+  double cost = 0.0;                     ///< of what has a price
   double change_time = 0.0;
   double reload_time = 0.0;
   double machine_cost = 0.0;
@@ -104,7 +112,10 @@ struct BuildPlan {
 /// plan.xml (schemas/plan.xsd, docs/formats/plan.md); the same plan gives the same bytes.
 void write_plan_xml(const BuildPlan& plan, std::ostream& stream);
 
-/// Reads plan.xml. Throws InputError with file, line and hint.
+/// Larger plans aren't read: 1.6 million steps. What is read takes as much memory as the file, at most twice as much.
+inline constexpr std::uint64_t kMaxPlanBytes = std::uint64_t{512} << 20;
+
+/// Reads plan.xml, layer by layer. Throws InputError with file, line and hint.
 [[nodiscard]] BuildPlan read_plan_xml(const std::filesystem::path& path);
 
 }  // namespace lamella

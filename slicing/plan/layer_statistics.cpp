@@ -1,6 +1,7 @@
 #include "slicing/plan/layer_statistics.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "slicing/compensated_sum.h"
 #include "slicing/mixer.h"
@@ -11,6 +12,8 @@
 namespace lamella {
 
 namespace {
+
+const std::vector<Pace> kNoPaces;
 
 /// Area and box, by the raster rows. Sums run along the rows with compensation, as the slice report's do.
 void measure_areas(const Layer& layer, const Grid& grid, LayerStatistics& out, std::vector<MaterialStatistics>& by) {
@@ -26,21 +29,55 @@ void measure_areas(const Layer& layer, const Grid& grid, LayerStatistics& out, s
   for (std::size_t m = 0; m < by.size(); ++m) by[m].area = length[m].value() * grid.pitch.y();
 }
 
-/// Segments, length and travel on the rows that the machine follows.
-void measure_tracks(const SegmentRows& rows, double spacing, bool serpentine, std::vector<MaterialStatistics>& by) {
+/// Tracks one beside the other. Without hatch rows there are as many as the width asks for, and of the way between the
+/// raster rows as much less as there are fewer tracks than rows.
+struct TrackShare {
+  double of_tracks = 1.0;
+  double of_travel = 1.0;
+};
+
+/// Adds up what the moves along one material's tracks take, move by move, at every pace.
+class TrackTimes {
+ public:
+  TrackTimes(const std::vector<Pace>& paces, const TrackShare& share, std::vector<double>& times)
+      : paces_(paces), share_(share), times_(times) {
+    times_.assign(paces.size(), 0.0);
+  }
+  void add_track(double length) {
+    for (std::size_t i = 0; i < paces_.size(); ++i) times_[i] += share_.of_tracks * paces_[i].depositing.time(length);
+  }
+  void add_travel(double length) {
+    for (std::size_t i = 0; i < paces_.size(); ++i) times_[i] += share_.of_travel * paces_[i].traveling.time(length);
+  }
+
+ private:
+  const std::vector<Pace>& paces_;
+  TrackShare share_;
+  std::vector<double>& times_;
+};
+
+/// Segments, length, travel and times on the rows that the machine follows.
+void measure_tracks(const SegmentRows& rows, double spacing, const StatisticsOptions& options, const TrackShare& share,
+                    std::vector<MaterialStatistics>& by) {
   std::vector<CompensatedSum> length(by.size());
   for (const Segment& segment : rows.segments) {
     ++by[segment.material.value()].segments;
     length[segment.material.value()].add(segment.x_end - segment.x_begin);
   }
   for (std::size_t m = 0; m < by.size(); ++m) {
+    TrackTimes times(m < options.paces.size() ? options.paces[m] : kNoPaces, share, by[m].times);
     if (by[m].segments == 0) continue;
     by[m].length = length[m].value();
     bool is_first = true;
     Vec2 at = Vec2::Zero();
-    visit_tracks(rows, MaterialId{m}, serpentine, [&](std::size_t row, double from, double to) {
+    visit_tracks(rows, MaterialId{m}, options.serpentine, [&](std::size_t row, double from, double to) {
       const double y = static_cast<double>(row) * spacing;
-      if (!is_first) by[m].travel += (Vec2(from, y) - at).norm();
+      if (!is_first) {
+        const double travel = (Vec2(from, y) - at).norm();
+        by[m].travel += travel;
+        times.add_travel(travel);
+      }
+      times.add_track(std::abs(to - from));
       is_first = false;
       at = {to, y};
     });
@@ -72,8 +109,9 @@ LayerStatistics measure_layer(const Layer& layer, const Grid& grid, std::size_t 
   for (std::size_t m = 0; m < materials; ++m) by[m].material = MaterialId{m};
   measure_areas(layer, grid, out, by);
   const bool hatched = options.use_hatch && layer.hatch;
-  measure_tracks(hatched ? layer.hatch->rows : layer.raster, hatched ? layer.hatch->spacing : grid.pitch.y(),
-                 options.serpentine, by);
+  const double rows_a_track = grid.pitch.y() / options.width;
+  measure_tracks(hatched ? layer.hatch->rows : layer.raster, hatched ? layer.hatch->spacing : grid.pitch.y(), options,
+                 hatched ? TrackShare{} : TrackShare{rows_a_track, std::min(1.0, rows_a_track)}, by);
   measure_islands(layer.raster, grid.pitch.y(), options.width, by);
   if (below != nullptr && options.self_support) {
     std::vector<double> overhang(materials);

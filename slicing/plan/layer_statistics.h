@@ -9,6 +9,7 @@
 #include "materials/material_table.h"
 #include "slicing/layer.h"
 #include "slicing/layer_plan.h"
+#include "slicing/plan/paces.h"
 
 namespace lamella {
 
@@ -25,6 +26,8 @@ struct MaterialStatistics {
   std::uint32_t specks = 0;    ///< islands that are within the machine's width along x or along y
   double smallest = 0.0;       ///< mm^2, the smallest island
   double unsupported = 0.0;    ///< mm^2 over no material of the layer below grown by the self-support distance
+  std::vector<double> times =
+      {};  ///< s that laying it down takes at each pace of StatisticsOptions::paces, travel included
 };
 
 struct LayerStatistics {
@@ -40,7 +43,8 @@ struct StatisticsOptions {
   double width = 0.0;                  ///< mm, Machine::width
   std::optional<double> self_support;  ///< mm; absent: nothing counts as unsupported
   bool serpentine = true;
-  bool use_hatch = false;  ///< of segments, length and travel
+  bool use_hatch = false;                     ///< of segments, length and travel
+  std::vector<std::vector<Pace>> paces = {};  ///< by material; empty: no times are asked for
 };
 
 /// Where a layer has material of any kind: per raster row disjoint intervals, ascending.

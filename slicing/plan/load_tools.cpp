@@ -88,20 +88,27 @@ LoadVerdict judge_loads(const LoadProblem& problem) {
   return {LoadFault::needs_reloading, used.size()};
 }
 
+LoadSchedule hold_loads(const LoadProblem& problem, const std::vector<std::uint32_t>& tool_of) {
+  LoadSchedule schedule;
+  for (const auto& layer : problem.layers) {
+    schedule.tool_of.emplace_back();
+    for (const std::uint32_t material : layer) schedule.tool_of.back().push_back(tool_of[material]);
+  }
+  return schedule;
+}
+
 LoadSchedule schedule_loads(const LoadProblem& problem) {
   const std::vector<std::uint32_t> used = used_materials(problem);
+  if (const auto fixed = match_tools(used, problem.holders)) {
+    std::vector<std::uint32_t> tool_of(problem.holders.size());
+    for (std::size_t i = 0; i < used.size(); ++i) tool_of[used[i]] = (*fixed)[i];
+    return hold_loads(problem, tool_of);
+  }
   const Runs runs = find_runs(problem);
   LoadSchedule schedule;
   std::vector<std::vector<std::uint32_t>> by_run;
   bool is_proved = true;
-  if (const auto fixed = match_tools(used, problem.holders)) {
-    std::vector<std::uint32_t> tool(problem.holders.size());
-    for (std::size_t i = 0; i < used.size(); ++i) tool[used[i]] = (*fixed)[i];
-    for (const auto& needs : runs.needs) {
-      by_run.emplace_back();
-      for (const std::uint32_t material : needs) by_run.back().push_back(tool[material]);
-    }
-  } else if (tools_fall_into_classes(problem, used)) {
+  if (tools_fall_into_classes(problem, used)) {
     by_run = load_by_next_use(runs.needs, problem.holders, problem.tools);
   } else if (auto exact = load_by_search(runs.needs, problem.holders, problem.tools)) {
     by_run = std::move(*exact);

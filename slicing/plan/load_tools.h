@@ -35,4 +35,7 @@ struct LoadVerdict {
 /// Ties go to the lower tool. Requires judge_loads() to find no fault.
 [[nodiscard]] LoadSchedule schedule_loads(const LoadProblem& problem);
 
+/// The schedule in which material m stays in tool tool_of[m] from beginning to end.
+[[nodiscard]] LoadSchedule hold_loads(const LoadProblem& problem, const std::vector<std::uint32_t>& tool_of);
+
 }  // namespace lamella

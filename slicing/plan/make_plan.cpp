@@ -8,23 +8,29 @@
 #include "slicing/plan/load_tools.h"
 #include "slicing/plan/order_tools.h"
 #include "slicing/plan/plan_times.h"
+#include "slicing/plan/tool_needs.h"
+#include "slicing/plan/weigh_matchings.h"
 
 namespace lamella {
 
 namespace {
 
-std::string joined(const std::vector<std::string>& names) {
-  std::string out;
-  for (const std::string& name : names) out += (out.empty() ? "" : ", ") + name;
-  return out;
-}
+/// Whole numbers of a unit, of which no sum that is asked for reaches 2^50: a millionth, or more where sums are huge.
+class WholeNumbers {
+ public:
+  explicit WholeNumbers(double largest_sum)
+      : per_one_(std::min(1e6, std::ldexp(1.0, 49) / std::max(largest_sum, 1.0))) {}
+  [[nodiscard]] std::int64_t of(double value) const { return std::llround(value * per_one_); }
+  [[nodiscard]] double value(std::int64_t number) const { return static_cast<double>(number) / per_one_; }
 
-std::int64_t millionths(double value) { return static_cast<std::int64_t>(std::llround(value * 1e6)); }
+ private:
+  double per_one_;
+};
 
 class Planner {
  public:
   Planner(const BuildInfo& info, const std::vector<LayerStatistics>& layers, const Machine& machine)
-      : info_(info), layers_(layers), machine_(machine) {
+      : info_(info), layers_(layers), machine_(machine), times_(machine, info.materials) {
     plan_.machine = machine.name;
     plan_.technology = machine.technology;
     plan_.currency = machine.currency;
@@ -33,7 +39,6 @@ class Planner {
     plan_.turn = info.turn;
     for (const MachineTool& tool : machine.tools) plan_.tools.push_back(tool.name);
     for (const Material& material : info.materials) {
-      settings_.push_back(machine.settings_of(material.name));
       PlanMaterial& planned = plan_.materials.emplace_back();
       planned.name = material.name;
       planned.color = material.color;
@@ -54,6 +59,7 @@ class Planner {
     add_costs();
     measure_size();
     plan_.findings = find_misfits(plan_, info_, machine_);
+    if (weighing_) plan_.findings.push_back(*weighing_);
     return std::move(plan_);
   }
 
@@ -85,116 +91,93 @@ class Planner {
 
   /// Material of each tool on each layer. Throws what can't be.
   LoadSchedule load() {
-    LoadProblem problem;
-    problem.tools = machine_.tools.size();
-    problem.may_reload = machine_.allows_reloading;
-    const std::vector<MaterialId> materials = state_needs(problem);
-    refuse(judge_loads(problem), problem, materials);
+    const LoadProblem problem = state_needs(info_.materials, layers_, machine_);
+    const auto laying = laying_times(problem);
+    state_changes(problem, laying);
+    if (const auto weighed = weigh(problem, laying)) return hold_loads(problem, *weighed);
     LoadSchedule schedule = schedule_loads(problem);
     plan_.reloads = schedule.reloads;
     plan_.reloads_bound = schedule.lower_bound;
     return schedule;
   }
 
-  /// Bit t says that tool t can hold the material and lay the layer.
-  [[nodiscard]] std::uint32_t tools_for(MaterialId material, const LayerStatistics& layer) const {
-    const std::string& name = info_.materials[material].name;
-    const double height = layer.z_top - layer.z_bottom;
-    std::uint32_t tools = 0;
-    std::string ranges;
-    for (const ToolId tool : machine_.tools.ids()) {
-      if (!machine_.can_hold(tool, name)) continue;
-      const Interval range = machine_.layers_of(tool);
-      if (takes_height(range, height)) tools |= 1U << tool.value();
-      ranges += (ranges.empty() ? "'" : ", '") + machine_.tools[tool].name + "' lays " + format_double(range.lo) +
-                " to " + format_double(range.hi) + " mm";
-    }
-    if (tools != 0) return tools;
-    if (ranges.empty()) {
-      throw InputError("no tool can hold the material '" + name + "'", machine_.source,
-                       "add <holds material=\"...\"/> to a tool, or choose another machine");
-    }
-    throw InputError("layer " + std::to_string(layer.index) + " of " + format_double(height) +
-                         " mm has the material '" + name + "', which no tool lays so: " + ranges,
-                     machine_.source, "slice again with --adaptive and --machine or with another --layer-height");
-  }
-
-  /// Fills in layers and holders; the result says which material each need of the problem is. A material is one need,
-  /// to be held by tools that suit all its layers, where there is such a tool; else it is several whose tools differ.
-  std::vector<MaterialId> state_needs(LoadProblem& problem) const {
-    std::vector<std::vector<std::uint32_t>> groups(info_.materials.size());
-    std::vector<std::vector<std::size_t>> group_of;  // per layer, beside its materials
-    for (const LayerStatistics& layer : layers_) {
-      group_of.emplace_back();
-      for (const MaterialStatistics& one : layer.materials) {
-        const std::uint32_t tools = tools_for(one.material, layer);
-        std::vector<std::uint32_t>& own = groups[one.material.value()];
-        auto group = std::find_if(own.begin(), own.end(), [&](std::uint32_t other) { return (other & tools) != 0; });
-        if (group == own.end()) group = own.insert(group, tools);
-        *group &= tools;
-        group_of.back().push_back(static_cast<std::size_t>(group - own.begin()));
-      }
-    }
-    std::vector<MaterialId> materials;
-    std::vector<std::uint32_t> first;
-    for (const MaterialId material : info_.materials.ids()) {
-      first.push_back(static_cast<std::uint32_t>(materials.size()));
-      for (const std::uint32_t tools : groups[material.value()]) {
-        materials.push_back(material);
-        problem.holders.push_back(tools);
-      }
-    }
+  /// s by need and tool that can hold it, of all layers.
+  [[nodiscard]] std::vector<std::vector<double>> laying_times(const LoadProblem& problem) const {
+    std::vector<std::vector<double>> times(problem.holders.size(), std::vector<double>(problem.tools));
     for (std::size_t k = 0; k < layers_.size(); ++k) {
-      problem.layers.emplace_back();
-      for (std::size_t i = 0; i < group_of[k].size(); ++i) {
-        const std::size_t material = layers_[k].materials[i].material.value();
-        problem.layers.back().push_back(first[material] + static_cast<std::uint32_t>(group_of[k][i]));
+      for (std::size_t i = 0; i < problem.layers[k].size(); ++i) {
+        const std::uint32_t need = problem.layers[k][i];
+        for (const ToolId tool : machine_.tools.ids()) {
+          if ((problem.holders[need] >> tool.value() & 1U) == 0) continue;
+          times[need][tool.value()] += times_.seconds(layers_[k], layers_[k].materials[i], tool);
+        }
       }
     }
-    return materials;
+    return times;
   }
 
-  void refuse(const LoadVerdict& verdict, const LoadProblem& problem, const std::vector<MaterialId>& materials) const {
-    switch (verdict.fault) {
-      case LoadFault::none:
-        return;
-      case LoadFault::material_fits_no_tool:
-        throw InputError("no tool can hold the material '" + info_.materials[materials[verdict.which]].name + "'",
-                         machine_.source, "add <holds material=\"...\"/> to a tool, or choose another machine");
-      case LoadFault::layer_needs_too_much: {
-        std::vector<std::string> names;
-        for (const std::uint32_t need : problem.layers[verdict.which]) {
-          names.push_back(info_.materials[materials[need]].name);
-        }
-        throw InputError("layer " + std::to_string(layers_[verdict.which].index) + " needs " +
-                             std::to_string(names.size()) + " materials at once (" + joined(names) +
-                             "), which don't fit the " + std::to_string(problem.tools) + " tools together",
-                         machine_.source, "choose a machine with more tools, fewer materials, or turn the part");
+  /// What changes cost, in units in which all of the build can be added up.
+  void state_changes(const LoadProblem& problem, const std::vector<std::vector<double>>& laying) {
+    double steps = 0.0;
+    for (const auto& layer : problem.layers) steps += static_cast<double>(layer.size());
+    double purge = 0.0;
+    double time = 0.0;
+    for (const ToolId from : machine_.tools.ids()) {
+      for (const ToolId to : machine_.tools.ids()) {
+        purge = std::max(purge, steps * machine_.change(from, to).purge);
+        time = std::max(time, steps * machine_.change(from, to).time);
       }
-      case LoadFault::needs_reloading:
-        throw InputError("the build needs " + std::to_string(verdict.which) + " materials, the machine has " +
-                             std::to_string(problem.tools) + " tools and isn't reloaded",
-                         machine_.source, "set reload=\"between-layers\" where an operator can do it");
     }
+    for (const auto& times : laying) time += *std::max_element(times.begin(), times.end());
+    purge_unit_ = WholeNumbers(purge);
+    time_unit_ = WholeNumbers(time);
+    for (const ToolId from : machine_.tools.ids()) {
+      change_costs_.emplace_back();
+      for (const ToolId to : machine_.tools.ids()) {
+        const ToolChange change = machine_.change(from, to);
+        change_costs_.back().push_back(from == to || all_at_once()
+                                           ? ChangeCost{}
+                                           : ChangeCost{1, purge_unit_.of(change.purge), time_unit_.of(change.time)});
+      }
+    }
+  }
+
+  /// The tool of each need where all can stay loaded.
+  std::optional<std::vector<std::uint32_t>> weigh(const LoadProblem& problem,
+                                                  const std::vector<std::vector<double>>& laying) {
+    MatchingProblem matching{problem.holders, problem.layers, {}};
+    for (const auto& times : laying) {
+      matching.laying_time.emplace_back();
+      for (const double time : times) matching.laying_time.back().push_back(time_unit_.of(time));
+    }
+    const auto weighed = weigh_matchings(matching, paths_);
+    if (!weighed) return std::nullopt;
+    plan_.matching = PlanMatching{weighed->weighed, weighed->is_proved()};
+    if (!weighed->is_proved()) weighing_ = note_of(*weighed);
+    return weighed->tool_of;
+  }
+
+  [[nodiscard]] PlanFinding note_of(const WeighedMatching& weighed) const {
+    const auto figures = [&](const ChangeCost& cost) {
+      return std::to_string(cost.changes) + " changes, " + format_double(purge_unit_.value(cost.purge)) +
+             " mm^3 of purge and " + format_double(time_unit_.value(cost.time)) + " s of changing and laying down";
+    };
+    return {Severity::note, std::nullopt, "",
+            "which tool holds what is the cheapest of " + std::to_string(weighed.weighed) +
+                " ways that were weighed, not proved to be the cheapest of all: " + figures(weighed.cost) +
+                "; none takes less than " + figures(weighed.lower_bound),
+            "give tools <holds>, and there are fewer ways"};
   }
 
   ToolOrder order_steps(const LoadSchedule& loads) {
     OrderProblem problem;
-    for (const ToolId from : machine_.tools.ids()) {
-      problem.cost.emplace_back();
-      for (const ToolId to : machine_.tools.ids()) {
-        const ToolChange change = machine_.change(from, to);
-        problem.cost.back().push_back(from == to || all_at_once()
-                                          ? ChangeCost{}
-                                          : ChangeCost{1, millionths(change.purge), millionths(change.time)});
-      }
-    }
+    problem.cost = change_costs_;
     for (const auto& tools : loads.tool_of) {
       std::uint32_t set = 0;
       for (const std::uint32_t tool : tools) set |= 1U << tool;
       problem.layers.push_back(set);
     }
-    ToolOrder order = order_tools(problem);
+    ToolOrder order = order_tools(problem, paths_);
     plan_.tool_changes = static_cast<std::uint64_t>(order.cost.changes);
     plan_.tool_changes_bound = static_cast<std::uint64_t>(order.lower_bound.changes);
     return order;
@@ -237,7 +220,7 @@ class Planner {
     if (machine_.technology != Technology::vat) return;
     for (const PlanLayer& layer : plan_.layers) {
       for (const PlanStep& step : layer.steps) {
-        if (settings_[step.material.value()].exposure > 0.0) continue;
+        if (times_.settings(step.material).exposure > 0.0) continue;
         throw InputError("no exposure is given for '" + info_.materials[step.material].name + "'", machine_.source,
                          "add a <material match=\"...\" exposure=\"...\"/>");
       }
@@ -249,9 +232,9 @@ class Planner {
     CompensatedSum changes;
     for (std::size_t k = 0; k < plan_.layers.size(); ++k) {
       PlanLayer& layer = plan_.layers[k];
-      fill_times(layer, layers_[k].box, plan_.by_hatch, info_.plan.grid.pitch.y(), machine_, settings_);
       layer.time = machine_.layer_overhead;
       for (PlanStep& step : layer.steps) {
+        step.time = times_.seconds(layers_[k], step.statistics, step.tool);
         step.volume = step.statistics.area * (layer.z_top - layer.z_bottom);
         layer.time += step.time + step.change_time + (step.is_reload ? machine_.reload_time : 0.0);
         changes.add(step.change_time);
@@ -284,8 +267,8 @@ class Planner {
       material.volume = volume[m].value();
       material.length = length[m].value();
       if (material.density) material.mass = material.volume * *material.density * 1e-3;  // mm^3 g/cm^3 = mg
-      material.cost =
-          price_of(material.volume + material.purge, settings_[m].price, settings_[m].per, material.density);
+      const MaterialSettings& settings = times_.settings(MaterialId{m});
+      material.cost = price_of(material.volume + material.purge, settings.price, settings.per, material.density);
     }
   }
 
@@ -332,7 +315,12 @@ class Planner {
   const BuildInfo& info_;
   const std::vector<LayerStatistics>& layers_;
   const Machine& machine_;
-  std::vector<MaterialSettings> settings_;
+  LayingTimes times_;
+  WholeNumbers purge_unit_{0.0};
+  WholeNumbers time_unit_{0.0};
+  std::vector<std::vector<ChangeCost>> change_costs_;  ///< from, to
+  PathCache paths_{change_costs_};
+  std::optional<PlanFinding> weighing_;
   BuildPlan plan_;
 };
 

@@ -50,6 +50,25 @@ std::optional<std::vector<std::uint32_t>> match_tools(const std::vector<std::uin
   return tool_of;
 }
 
+// By Hall's theorem the rows that are tried in vain have one tool less than they are.
+std::optional<Crowd> find_crowd(const std::vector<std::uint32_t>& materials,
+                                const std::vector<std::uint32_t>& holders) {
+  std::vector<std::uint32_t> options;
+  for (const std::uint32_t material : materials) options.push_back(holders[material]);
+  std::array<std::uint32_t, kTools> owner;
+  owner.fill(kNobody);
+  for (std::uint32_t row = 0; row < options.size(); ++row) {
+    std::uint32_t tried = 0;
+    if (augment(row, options, tried, owner)) continue;
+    Crowd crowd{{materials[row]}, tried};
+    for (std::uint32_t tool = 0; tool < kTools; ++tool) {
+      if ((tried >> tool & 1U) != 0) crowd.materials.push_back(materials[owner[tool]]);
+    }
+    return crowd;
+  }
+  return std::nullopt;
+}
+
 // Shortest augmenting paths with potentials (Kuhn 1955, Munkres 1957), row 0 and column 0 being sentinels.
 std::vector<std::uint32_t> match_cheapest(const std::vector<std::vector<double>>& cost) {
   const std::size_t rows = cost.size();

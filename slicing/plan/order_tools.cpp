@@ -1,7 +1,6 @@
 #include "slicing/plan/order_tools.h"
 
 #include <algorithm>
-#include <map>
 
 #include "slicing/plan/tool_paths.h"
 
@@ -27,7 +26,7 @@ using PathCost = const ChangeCost& (ToolPaths::*)(std::size_t, std::size_t) cons
 
 class Orderer {
  public:
-  explicit Orderer(const OrderProblem& problem) : problem_(problem) {}
+  Orderer(const OrderProblem& problem, PathCache& paths) : problem_(problem), paths_(paths) {}
 
   [[nodiscard]] ToolOrder run() {
     ToolOrder order;
@@ -51,8 +50,7 @@ class Orderer {
     stages_.clear();
     for (std::size_t k = 0; k < problem_.layers.size(); ++k) {
       if (problem_.layers[k] == 0) continue;
-      const auto [found, is_new] = paths_.try_emplace(problem_.layers[k], problem_.layers[k], problem_.cost);
-      Stage stage{k, &found->second, {}, {}};
+      Stage stage{k, &paths_.of(problem_.layers[k]), {}, {}};
       extend(stage, path_cost);
       stages_.push_back(std::move(stage));
     }
@@ -96,12 +94,17 @@ class Orderer {
   }
 
   const OrderProblem& problem_;
-  std::map<std::uint32_t, ToolPaths> paths_;
+  PathCache& paths_;
   std::vector<Stage> stages_;
 };
 
 }  // namespace
 
-ToolOrder order_tools(const OrderProblem& problem) { return Orderer(problem).run(); }
+ToolOrder order_tools(const OrderProblem& problem) {
+  PathCache paths(problem.cost);
+  return order_tools(problem, paths);
+}
+
+ToolOrder order_tools(const OrderProblem& problem, PathCache& paths) { return Orderer(problem, paths).run(); }
 
 }  // namespace lamella

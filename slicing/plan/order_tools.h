@@ -7,10 +7,11 @@
 namespace lamella {
 
 /// What changes cost, in whole numbers so that sums are exact: their count first, then the purged volume, then time.
+/// Units are the caller's; sums must stay below 2^50.
 struct ChangeCost {
   std::int64_t changes = 0;
-  std::int64_t purge = 0;  ///< 1e-6 mm^3
-  std::int64_t time = 0;   ///< 1e-6 s
+  std::int64_t purge = 0;
+  std::int64_t time = 0;
 
   auto operator<=>(const ChangeCost&) const = default;
   ChangeCost operator+(const ChangeCost& other) const {
@@ -38,5 +39,9 @@ inline constexpr int kMaxExactTools = 10;
 /// programming over sets (Held and Karp 1962). Paths of over kMaxExactTools tools, where changes differ, go to the
 /// nearest next tool, and the bound then takes the cheapest change into each tool. Ties go to the lower tool.
 [[nodiscard]] ToolOrder order_tools(const OrderProblem& problem);
+
+class PathCache;
+/// The same, with paths by problem.cost that may be known already.
+[[nodiscard]] ToolOrder order_tools(const OrderProblem& problem, PathCache& paths);
 
 }  // namespace lamella

@@ -2,58 +2,43 @@
 
 #include <cmath>
 
-#include "core/error.h"
-
 namespace lamella {
 
-namespace {
-
-/// Sweeps over the layer's box; every material takes its share of the area.
-void fill_sweeps(PlanLayer& layer, const Box2& box, const Machine& machine) {
-  double area = 0.0;
-  for (const PlanStep& step : layer.steps) area += step.statistics.area;
-  if (!(area > 0.0)) return;
-  const double sweeps = std::ceil(box.sizes().y() / machine.swath);
-  for (PlanStep& step : layer.steps) {
-    const double sweep = box.sizes().x() / machine.tools[step.tool].speed + machine.turn;
-    step.time = sweeps * sweep * step.statistics.area / area;
+LayingTimes::LayingTimes(const Machine& machine, const IdVector<MaterialId, Material>& materials) : machine_(machine) {
+  for (const Material& material : materials) {
+    settings_.push_back(machine.settings_of(material.name));
+    paces_.push_back(paces_of(machine, material.name));
   }
 }
 
-void fill_exposures(PlanLayer& layer, const Machine& machine, const std::vector<MaterialSettings>& settings) {
-  for (PlanStep& step : layer.steps) {
-    const MaterialSettings& own = settings[step.material.value()];
-    const bool is_first = layer.index < static_cast<std::uint32_t>(machine.first_layers);
-    step.time = is_first ? own.first_exposure : own.exposure;
-  }
-}
-
-/// Tracks one beside the other. Without hatch rows there are as many as the width asks for, and of the way between the
-/// raster rows as much less as there are fewer tracks than rows.
-void fill_tracks(PlanLayer& layer, bool by_hatch, double pitch_y, const Machine& machine,
-                 const std::vector<MaterialSettings>& settings) {
-  for (PlanStep& step : layer.steps) {
-    const MachineTool& tool = machine.tools[step.tool];
-    const MaterialStatistics& s = step.statistics;
-    const double length = by_hatch ? s.length : s.area / machine.width;
-    const double travel = by_hatch ? s.travel : s.travel * std::min(1.0, pitch_y / machine.width);
-    step.time = length / settings[step.material.value()].speed.value_or(tool.speed) + travel / tool.travel;
-  }
-}
-
-}  // namespace
-
-void fill_times(PlanLayer& layer, const Box2& box, bool by_hatch, double pitch_y, const Machine& machine,
-                const std::vector<MaterialSettings>& settings) {
-  switch (machine.technology) {
+double LayingTimes::seconds(const LayerStatistics& layer, const MaterialStatistics& one, ToolId tool) const {
+  switch (machine_.technology) {
     case Technology::material_jetting:
-      return fill_sweeps(layer, box, machine);
+      return of_sweeps(layer, one, tool);
     case Technology::vat:
-      return fill_exposures(layer, machine, settings);
+      return of_exposure(layer, one);
     case Technology::extrusion:
     case Technology::powder_bed:
-      return fill_tracks(layer, by_hatch, pitch_y, machine, settings);
+      break;
   }
+  return one.times.at(paces_[one.material].of_tool[tool.value()]);
+}
+
+/// Sweeps over the layer's box, of which every material takes its share of the area. The box is printed at full speed:
+/// a sweep gains it before the box and loses it behind.
+double LayingTimes::of_sweeps(const LayerStatistics& layer, const MaterialStatistics& one, ToolId tool) const {
+  double area = 0.0;
+  for (const MaterialStatistics& other : layer.materials) area += other.area;
+  if (!(area > 0.0)) return 0.0;
+  const double sweeps = std::ceil(layer.box.sizes().y() / machine_.swath);
+  const RampedMotion motion = machine_.depositing(tool, settings_[one.material]);
+  const double sweep = layer.box.sizes().x() / motion.speed + 2.0 * motion.speed / motion.acceleration + machine_.turn;
+  return sweeps * sweep * one.area / area;
+}
+
+double LayingTimes::of_exposure(const LayerStatistics& layer, const MaterialStatistics& one) const {
+  const MaterialSettings& own = settings_[one.material];
+  return layer.index < static_cast<std::uint32_t>(machine_.first_layers) ? own.first_exposure : own.exposure;
 }
 
 std::optional<double> price_of(double volume, const std::optional<double>& price, PriceUnit per,

@@ -1,8 +1,10 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <sstream>
+#include <string_view>
 
-#include "core/xml.h"
+#include "core/xml_parts.h"
 #include "materials/color.h"
 #include "model/move_scene.h"
 #include "slicing/plan/build_plan.h"
@@ -15,6 +17,12 @@ namespace {
 
 [[noreturn]] void refuse(const XmlElement& element, const std::string& what) {
   throw InputError(what, element.where(), "make the plan again with lamella plan");
+}
+
+std::string tag(std::string_view name) {
+  std::string text = "<";
+  text.append(name).append(">");
+  return text;
 }
 
 double not_negative(const XmlElement& element, const char* name) {
@@ -52,27 +60,56 @@ bool flag(const XmlElement& element, const char* name) {
 
 class PlanReader {
  public:
-  explicit PlanReader(const XmlElement& root) {
+  explicit PlanReader(XmlParts& file) {
+    const XmlElement root = file.root().root("plan");
     read_head(root);
-    const auto list = [&](const char* name) {
-      if (const auto child = root.child(name)) return *child;
-      refuse(root, std::string("no <") + name + ">");
-    };
-    if (const auto orientation = root.child("orientation")) read_turn(*orientation);
-    list("tools").allow_only({}, {"tool"});
-    for (const XmlElement& tool : list("tools").children()) read_tool(tool);
-    list("materials").allow_only({}, {"material"});
-    for (const XmlElement& material : list("materials").children()) read_material(material);
-    if (const auto support = root.child("support")) read_support(*support);
-    list("findings").allow_only({}, {"finding"});
-    for (const XmlElement& finding : list("findings").children()) read_finding(finding);
-    for (const XmlElement& layer : root.children("layer")) read_layer(layer);
+    std::size_t place = 0;  // in kParts, of what may come next
+    while (const auto part = file.next()) {
+      const XmlElement element = part->root();
+      place = find_place(element, place);
+      read_part(element, kParts[place]);
+      if (kParts[place] != "layer") ++place;
+    }
+    skip_optional(root, place, kParts.size() - 1);
     check_counts(root);
   }
 
   [[nodiscard]] BuildPlan take() { return std::move(plan_); }
 
  private:
+  /// In this order; layers come last, as often as they like, the others once.
+  static constexpr std::array<std::string_view, 6> kParts{"orientation", "tools",    "materials",
+                                                          "support",     "findings", "layer"};
+
+  static std::size_t find_place(const XmlElement& element, std::size_t least) {
+    const auto found = std::find(kParts.begin(), kParts.end(), element.name());
+    if (found == kParts.end()) refuse(element, "<plan> has an unknown element " + tag(element.name()));
+    const auto place = static_cast<std::size_t>(found - kParts.begin());
+    if (place < least) refuse(element, tag(element.name()) + " comes too late, or a second time");
+    skip_optional(element, least, place);
+    return place;
+  }
+
+  /// Refuses to leave out what must be there.
+  static void skip_optional(const XmlElement& where, std::size_t from, std::size_t to) {
+    for (std::size_t place = from; place < to; ++place) {
+      if (kParts[place] == "orientation" || kParts[place] == "support") continue;
+      refuse(where, "no " + tag(kParts[place]) + " above");
+    }
+  }
+
+  void read_part(const XmlElement& element, std::string_view name) {
+    if (name == "orientation") return read_turn(element);
+    if (name == "support") return read_support(element);
+    if (name == "layer") return read_layer(element);
+    element.allow_only({}, {name == "tools" ? "tool" : name == "materials" ? "material" : "finding"});
+    for (const XmlElement& child : element.children()) {
+      if (name == "tools") read_tool(child);
+      if (name == "materials") read_material(child);
+      if (name == "findings") read_finding(child);
+    }
+  }
+
   void read_turn(const XmlElement& element) {
     element.allow_only({kTurnNames[0], kTurnNames[1], kTurnNames[2], kTurnNames[3], kTurnNames[4], kTurnNames[5],
                         kTurnNames[6], kTurnNames[7], kTurnNames[8]},
@@ -98,6 +135,8 @@ class PlanReader {
                      "tool_changes_bound",
                      "reloads",
                      "reloads_bound",
+                     "matchings",
+                     "matching_proved",
                      "change_time",
                      "reload_time",
                      "machine_cost",
@@ -106,9 +145,9 @@ class PlanReader {
                      "size_x",
                      "size_y",
                      "size_z"},
-                    {"orientation", "tools", "materials", "support", "findings", "layer"});
+                    {});
     const std::string version = root.attribute("version");
-    if (version != kPlanVersion && version != kTurnedPlanVersion)
+    if (version != kPlanVersion && version != kTurnedPlanVersion && version != kWeighedPlanVersion)
       refuse(root, "version '" + root.attribute("version") + "' isn't known");
     plan_.machine = root.attribute("machine");
     plan_.technology = read_technology(root);
@@ -123,6 +162,10 @@ class PlanReader {
     plan_.tool_changes_bound = count(root, "tool_changes_bound", plan_.tool_changes);
     plan_.reloads = count(root, "reloads", kMany);
     plan_.reloads_bound = count(root, "reloads_bound", plan_.reloads);
+    if (root.has("matchings") != root.has("matching_proved")) refuse(root, "matchings without matching_proved");
+    if (root.has("matchings")) {
+      plan_.matching = PlanMatching{count(root, "matchings", kMany), flag(root, "matching_proved")};
+    }
     plan_.change_time = not_negative(root, "change_time");
     plan_.reload_time = not_negative(root, "reload_time");
     plan_.machine_cost = not_negative(root, "machine_cost");
@@ -273,8 +316,8 @@ class PlanReader {
 }  // namespace
 
 BuildPlan read_plan_xml(const std::filesystem::path& path) {
-  const XmlDocument document = XmlDocument::read(path);
-  return PlanReader(document.root("plan")).take();
+  XmlParts file(path, kMaxPlanBytes);
+  return PlanReader(file).take();
 }
 
 }  // namespace lamella

@@ -2,7 +2,7 @@
 
 namespace lamella {
 
-StatisticsSink::StatisticsSink(const Machine& machine) {
+StatisticsSink::StatisticsSink(const Machine& machine) : machine_(machine) {
   options_.width = machine.width;
   options_.self_support = machine.self_support;
   options_.serpentine = !machine.gcode || machine.gcode->serpentine;
@@ -11,6 +11,8 @@ StatisticsSink::StatisticsSink(const Machine& machine) {
 void StatisticsSink::begin(const BuildInfo& info) {
   info_ = info;
   options_.use_hatch = info.plan.hatch.has_value();
+  options_.paces.clear();
+  for (const Material& material : info.materials) options_.paces.push_back(paces_of(machine_, material.name).all);
   layers_.reserve(info.plan.layers.size());
 }
 

@@ -12,6 +12,7 @@ namespace lamella {
 /// layer.
 class StatisticsSink final : public LayerSink {
  public:
+  /// The machine must outlive it.
   explicit StatisticsSink(const Machine& machine);
 
   void begin(const BuildInfo& info) override;
@@ -23,6 +24,7 @@ class StatisticsSink final : public LayerSink {
   [[nodiscard]] const std::vector<LayerStatistics>& layers() const { return layers_; }
 
  private:
+  const Machine& machine_;
   StatisticsOptions options_;
   BuildInfo info_;
   SliceReport report_;

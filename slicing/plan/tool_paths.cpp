@@ -11,7 +11,8 @@ constexpr ChangeCost kImpossible{std::numeric_limits<std::int64_t>::max() / 4, 0
 
 }  // namespace
 
-ToolPaths::ToolPaths(std::uint32_t set, const std::vector<std::vector<ChangeCost>>& cost) : cost_(&cost) {
+ToolPaths::ToolPaths(std::uint32_t set, const std::vector<std::vector<ChangeCost>>& cost, int most_exact)
+    : cost_(&cost) {
   for (std::uint8_t tool = 0; tool < 32; ++tool) {
     if ((set >> tool & 1U) != 0) tools_.push_back(tool);
   }
@@ -21,7 +22,7 @@ ToolPaths::ToolPaths(std::uint32_t set, const std::vector<std::vector<ChangeCost
     return;
   }
   for (std::size_t first = 0; first < size(); ++first) {
-    if (size() <= static_cast<std::size_t>(kMaxExactTools)) {
+    if (size() <= static_cast<std::size_t>(most_exact)) {
       fill_exact(first);
       continue;
     }
@@ -29,6 +30,10 @@ ToolPaths::ToolPaths(std::uint32_t set, const std::vector<std::vector<ChangeCost
       if (allows(first, last)) fill_nearest(first, last);
     }
   }
+}
+
+bool ToolPaths::is_exact() const {
+  return std::all_of(paths_.begin(), paths_.end(), [](const Path& path) { return path.cost == path.bound; });
 }
 
 bool ToolPaths::is_uniform() const {
@@ -60,6 +65,7 @@ void ToolPaths::fill_uniform() {
       if (last != first) path.tools.push_back(tools_[last]);
       add_up(path);
       path.bound = path.cost;
+      work_ += size();
     }
   }
 }
@@ -71,6 +77,7 @@ void ToolPaths::fill_exact(std::size_t first) {
   std::vector<ChangeCost> best(sets * n, kImpossible);
   std::vector<std::uint8_t> before(sets * n);
   best[(std::size_t{1} << first) * n + first] = {};
+  work_ += path_search_work(n) / n;
   for (std::size_t set = 1; set < sets; ++set) {
     for (std::size_t last = 0; last < n; ++last) {
       const ChangeCost reached = best[set * n + last];
@@ -118,6 +125,7 @@ void ToolPaths::fill_nearest(std::size_t first, std::size_t last) {
   }
   path.tools.push_back(tools_[last]);
   add_up(path);
+  work_ += 2 * size() * size();
   for (std::size_t to = 0; to < size(); ++to) {
     if (to == first) continue;
     ChangeCost least = kImpossible;
@@ -127,5 +135,15 @@ void ToolPaths::fill_nearest(std::size_t first, std::size_t last) {
     path.bound = path.bound + least;
   }
 }
+
+const ToolPaths& PathCache::of(std::uint32_t set) {
+  const auto found = paths_.find(set);
+  if (found != paths_.end()) return found->second;
+  const ToolPaths& made = paths_.try_emplace(set, set, cost_, most_exact_).first->second;
+  work_ += made.work();
+  return made;
+}
+
+std::uint64_t path_search_work(std::size_t tools) { return (std::uint64_t{1} << tools) * tools * tools * tools / 2; }
 
 }  // namespace lamella

@@ -10,13 +10,18 @@ namespace {
 
 void write_head(XmlWriter& xml, const BuildPlan& plan) {
   xml.attribute("xmlns", kPlanNamespace)
-      .attribute("version", plan.turn ? kTurnedPlanVersion : kPlanVersion)
+      .attribute("version", plan.matching ? kWeighedPlanVersion
+                            : plan.turn   ? kTurnedPlanVersion
+                                          : kPlanVersion)
       .attribute("machine", plan.machine);
   xml.attribute("technology", name_of(plan.technology)).attribute("currency", plan.currency);
   xml.attribute("lattice", plan.by_hatch ? "hatch" : "raster").attribute("width", plan.width);
   xml.attribute("layers", plan.layers.size()).attribute("time", plan.time).attribute("cost", plan.cost);
   xml.attribute("tool_changes", plan.tool_changes).attribute("tool_changes_bound", plan.tool_changes_bound);
   xml.attribute("reloads", plan.reloads).attribute("reloads_bound", plan.reloads_bound);
+  if (plan.matching) {
+    xml.attribute("matchings", plan.matching->weighed).attribute("matching_proved", plan.matching->is_proved);
+  }
   xml.attribute("change_time", plan.change_time).attribute("reload_time", plan.reload_time);
   xml.attribute("machine_cost", plan.machine_cost).attribute("change_cost", plan.change_cost);
   xml.attribute("fits", plan.fits).attribute("size_x", plan.size.x()).attribute("size_y", plan.size.y());

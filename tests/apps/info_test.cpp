@@ -1,5 +1,6 @@
 #include <fstream>
 #include <gmock/gmock.h>
+#include <map>
 
 #include "tests/apps/command_json.h"
 
@@ -74,6 +75,34 @@ TEST(Info, TheStarterFileReproducesTheMaterials) {
     EXPECT_EQ(with["solids"][i]["material"], without["solids"][i]["material"]);
     EXPECT_THAT(with["solids"][i]["rule"].get<std::string>(), HasSubstr("m.xml:"));
   }
+}
+
+/// All files of a build's folder but its log, by name.
+std::map<std::string, std::string> files_of_build(const std::filesystem::path& build) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(build)) {
+    const std::string name = std::filesystem::relative(entry.path(), build).string();
+    if (entry.is_regular_file() && name != "run.json") files[name] = contents(entry.path());
+  }
+  return files;
+}
+
+TEST(Info, GradedMaterialsAreWrittenSoThatTheBuildIsTheSame) {
+  const TemporaryFolder folder;
+  const std::string lens = quoted(datasets_dir() / "gradient_lens/gradient_lens.step");
+  const std::string graded = quoted(datasets_dir() / "gradient_lens/graded.xml");
+  const std::string written = quoted(folder / "written.xml");
+  ASSERT_EQ(run_lamella("info " + lens + " --materials " + graded + " --write-materials " + written).exit_code, 0);
+  EXPECT_EQ(run_lamella("check " + written).exit_code, 0);
+  for (const auto& [name, materials] : {std::pair{"a", graded}, std::pair{"b", written}}) {
+    const CommandResult result = run_lamella("slice " + lens + " --materials " + materials +
+                                             " --pitch 0.5 --layer-height 0.5 -o " + quoted(folder / name));
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+  }
+  const auto before = files_of_build(folder / "a");
+  const auto after = files_of_build(folder / "b");
+  ASSERT_EQ(after.size(), before.size());
+  for (const auto& [name, text] : before) EXPECT_TRUE(after.at(name) == text) << name;
 }
 
 TEST(Info, SolidsThatNoRuleCoversAreListed) {

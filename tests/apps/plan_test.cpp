@@ -49,6 +49,8 @@ TEST_F(Plan, HasTheKeysOfTheContractAndTheReportsVolumes) {
   expect_keys(plan, {"layers", "tool_changes", "time", "cost", "materials"});
   EXPECT_EQ(plan["layers"], sliced()["layers"]);
   EXPECT_EQ(plan["lattice"], "hatch");
+  EXPECT_GE(plan["matchings"].get<int>(), 1);
+  EXPECT_EQ(plan["matching_proved"], true);
   ASSERT_EQ(plan["materials"].size(), sliced()["materials"].size());
   for (std::size_t m = 0; m < plan["materials"].size(); ++m) {
     const Json& planned = plan["materials"][m];
@@ -65,6 +67,29 @@ TEST_F(Plan, HasTheKeysOfTheContractAndTheReportsVolumes) {
   EXPECT_THAT(page, HasSubstr("area in mm"));
   EXPECT_THAT(page, Not(HasSubstr("http")));
   EXPECT_THAT(page, Not(HasSubstr("src=")));
+}
+
+/// The heads' accelerations make the plan's time longer, move by move, and nothing else.
+TEST_F(Plan, TakesLongerWhereTheMachineMustAccelerate) {
+  const auto planned = [&](const std::string& acceleration) {
+    std::string text = contents(datasets_dir() / "machines/multi_nozzle.xml");
+    text = std::regex_replace(text, std::regex(" (travel_)?acceleration=\"[^\"]*\""), "");
+    text = std::regex_replace(text, std::regex("<deposition "), "<deposition " + acceleration);
+    write_text(folder() / "accelerating.xml", text);
+    const CommandResult result = run_lamella("plan " + build() + " --machine " + quoted(folder() / "accelerating.xml") +
+                                             " -o " + quoted(folder() / "accelerated.xml") + " --json --quiet");
+    EXPECT_EQ(result.exit_code, acceleration.find("0.5") == std::string::npos ? 0 : 2) << result.errors;
+    return parse_output(result);
+  };
+  const Json none = planned("");
+  const Json fast = planned("acceleration=\"1e9\" ");
+  const Json slow = planned("acceleration=\"300\" ");
+  EXPECT_NEAR(fast["time"].get<double>(), none["time"].get<double>(), 0.01);
+  EXPECT_GT(slow["time"].get<double>(), 1.2 * none["time"].get<double>());
+  EXPECT_EQ(slow["tool_changes"], none["tool_changes"]);
+  EXPECT_EQ(slow["change_time"], none["change_time"]);
+  const Json other = planned("travel_acceleration=\"0.5\" acceleration=\"300\" ");
+  EXPECT_FALSE(other.contains("time"));
 }
 
 TEST_F(Plan, GivesTheSameBytesAgain) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <random>
+#include <set>
 
 #include "core/error.h"
 #include "export/gcode_sink.h"
@@ -200,6 +201,70 @@ TEST_P(Gcode, StaysWithinTheMachineWhereverThePartLies) {
   EXPECT_TRUE((box.min().array() >= 0.0).all()) << box.min().transpose();
   EXPECT_TRUE((box.max().array() <= machine_.volume.array()).all()) << box.max().transpose();
   EXPECT_NEAR(box.max().z(), 1.2, 1e-9);
+}
+
+/// s from rest to rest, in this test's own words.
+double ramped(double length, double speed, double acceleration) {
+  const double ramp = speed / acceleration;  // s to reach the speed, and again to lose it
+  const double over_ramps = ramp * speed;
+  return over_ramps <= length ? 2.0 * ramp + (length - over_ramps) / speed : std::sqrt(4.0 * length / acceleration);
+}
+
+TEST_P(Gcode, AcceleratesAsTheMachineStatesAndTakesThePlansTime) {
+  for (MaterialSettings& settings : machine_.settings) {
+    if (settings.match == "Steel*") settings.acceleration = 700.0;
+  }
+  const GcodeFile file = test::GcodeReader().read(build_.text(machine_));
+  const BuildPlan plan = build_.plan(machine_);
+  // The profile's tools; steel and soft filament have a speed of their own.
+  const std::vector<double> tool_speeds{40.0, 30.0, 80.0, 80.0, 80.0, 80.0};
+  std::map<std::string, double> time;
+  std::string material;
+  int layer = -1;
+  std::set<double> told;
+  for (const GcodeMove& move : file.moves) {
+    if (!move.moves() || (move.is_travel && (move.to - Vec3(5.0, 350.0, move.to.z())).norm() < 1e-9)) continue;
+    const bool is_soft = move.material.starts_with("TPE");
+    const bool is_steel = move.material.starts_with("Steel");
+    // The profile: 3000 and 5000 mm/s^2, the soft head 1000 on its tracks.
+    const double of_tracks = is_steel ? 700.0 : move.tool == 1 ? 1000.0 : 3000.0;
+    EXPECT_DOUBLE_EQ(move.acceleration, move.is_travel ? 5000.0 : of_tracks);
+    told.insert(move.acceleration);
+    // On the way to the first track of a material on a layer the plan knows nothing.
+    const bool is_first = move.material != material || move.layer != layer;
+    material = move.material;
+    layer = move.layer;
+    if (is_first && move.is_travel) continue;
+    const double of_material = is_steel ? 40.0 : is_soft ? 30.0 : tool_speeds.at(static_cast<std::size_t>(move.tool));
+    const double speed = move.is_travel ? 250.0 : of_material;
+    time[material] += ramped((move.to - move.from).norm(), speed, move.acceleration);
+  }
+  EXPECT_GE(told.size(), 3U);
+  // A macro that changes tools may have set others.
+  const std::string text = build_.text(machine_);
+  const std::string command = GetParam().flavor == GcodeFlavor::klipper ? "\nSET_VELOCITY_LIMIT" : "\nM204";
+  std::size_t commands = 0;
+  for (std::size_t at = text.find(command); at != std::string::npos; at = text.find(command, at + 1)) ++commands;
+  EXPECT_GE(commands, file.tools.size());
+  for (const PlanMaterial& one : plan.materials) {
+    const auto found = std::find_if(time.begin(), time.end(),
+                                    [&](const auto& pair) { return pair.first.substr(0, 5) == one.name.substr(0, 5); });
+    ASSERT_NE(found, time.end());
+    EXPECT_NEAR(found->second, one.time, 1e-3 * one.time) << one.name;
+  }
+}
+
+TEST(GcodeText, SaysNothingOfAccelerationsThatAreNotStated) {
+  Machine machine = machine_with(GcodeFlavor::marlin, true, true);
+  machine.acceleration.reset();
+  machine.travel_acceleration.reset();
+  for (MachineTool& tool : machine.tools) tool.acceleration.reset();
+  const Hatched build(Vec3(100.0, 50.0, 0.0));
+  EXPECT_EQ(build.text(machine).find("M204"), std::string::npos);
+  machine.acceleration = 1234567.5;
+  EXPECT_THAT(build.text(machine), HasSubstr("\nM204 P1234567.5 T1234567.5\n"));
+  machine.gcode->flavor = GcodeFlavor::klipper;
+  EXPECT_THAT(build.text(machine), HasSubstr("\nSET_VELOCITY_LIMIT ACCEL=1234567.5\n"));
 }
 
 INSTANTIATE_TEST_SUITE_P(Flavors, Gcode,

@@ -1,10 +1,12 @@
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <openvdb/io/File.h>
 #include <openvdb/openvdb.h>
+#include <random>
 
 #include "core/error.h"
 #include "materials/compositions.h"
@@ -265,6 +267,97 @@ TEST(Graded, GridsThatCantBeUsedAreRefused) {
   write_grid(other.path("g.vdb"), openvdb::FloatGrid::create(0.0f));
   EXPECT_THAT(refusal(other, scene).hint(), HasSubstr("'share'"));
 }
+
+/// A field of materials.xml and what else it needs.
+struct WrittenField {
+  const char* name;
+  std::string field;
+  const char* components = GradedFolder::kTwo;
+};
+
+class WrittenBack : public ::testing::TestWithParam<WrittenField> {};
+
+/// The file that is written for another folder gives every point of every solid the same fractions.
+TEST_P(WrittenBack, GivesTheSameFractions) {
+  openvdb::initialize();
+  Scene scene = test::scene_of(test::add_box, Vec3(0, 0, 0), Vec3(8, 7, 6));
+  test::add_sphere(scene, 3.0, {test::Placement::at(Vec3(20, 3, 3)), "ball", "", {}});
+  const GradedFolder folder(GetParam().field, GetParam().components);
+  folder.write("t.csv", "mm, A, B\n0; 0.1 0.9\n# between\n1e-1, 0.3, 0.7\n7, 1, 0\n");
+  const auto grid = openvdb::FloatGrid::create(0.25f);
+  grid->setTransform(openvdb::math::Transform::createLinearTransform(1.5));
+  for (int n = 0; n < 216; ++n) {
+    grid->tree().setValue(openvdb::Coord(n % 6, n / 6 % 6, n / 36), static_cast<float>(n % 7) / 7.0f);
+  }
+  grid->setName("share & <more>");
+  openvdb::io::File(folder.path("g.vdb").string()).write({grid});
+  MaterialTable table = assign_materials(scene, folder.read());
+  table.materials[MaterialId{1}].layers = {0.02, 0.05, 0.3};
+  table.materials[MaterialId{3}].layers.deviation = 0.125;
+
+  const test::TemporaryFolder other;
+  std::ofstream(other / "again.xml") << starter_rules(scene, table, other.path());
+  const std::string schema = (test::source_dir() / "schemas/materials.xsd").string();
+  EXPECT_EQ(std::system(("xmllint --nonet --noout --schema '" + schema + "' '" + (other / "again.xml").string() +
+                         "' >/dev/null 2>&1")
+                            .c_str()),
+            0);
+  const MaterialTable again = assign_materials(scene, read_material_rules(other / "again.xml"));
+  ASSERT_EQ(again.materials.size(), table.materials.size());
+  for (const MaterialId id : table.materials.ids()) {
+    EXPECT_EQ(again.materials[id].name, table.materials[id].name);
+    EXPECT_EQ(again.materials[id].components, table.materials[id].components);
+    EXPECT_EQ(again.materials[id].layers.deviation, table.materials[id].layers.deviation);
+    EXPECT_EQ(again.materials[id].layers.least, table.materials[id].layers.least);
+    EXPECT_EQ(again.materials[id].layers.most, table.materials[id].layers.most);
+  }
+  const Compositions before(scene, table);
+  const Compositions after(scene, again);
+  Compositions::Probe probe_before(before);
+  Compositions::Probe probe_after(after);
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> along(-1.0, 9.0);
+  double least = 1.0;
+  double most = 0.0;
+  for (int i = 0; i < 300; ++i) {
+    const SolidId solid{static_cast<std::size_t>(i % 2)};
+    EXPECT_EQ(again.assignments[solid].material, table.assignments[solid].material);
+    const Vec3 point = Vec3(along(random), along(random), along(random)) + (i % 2 == 0 ? Vec3::Zero() : Vec3(16, 0, 0));
+    std::vector<double> wanted(before.components(solid));
+    std::vector<double> found(after.components(solid));
+    ASSERT_EQ(found.size(), wanted.size());
+    probe_before.start(solid);
+    probe_after.start(solid);
+    (void)probe_before.sample(point, wanted);
+    (void)probe_after.sample(point, found);
+    for (std::size_t c = 0; c < wanted.size(); ++c) EXPECT_NEAR(found[c], wanted[c], 1e-14) << point.transpose();
+    least = std::min(least, wanted[0]);
+    most = std::max(most, wanted[0]);
+  }
+  EXPECT_GT(most - least, 0.2) << "a field that says nothing";
+  EXPECT_EQ(starter_rules(scene, again, other.path()), starter_rules(scene, table, other.path()));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Fields, WrittenBack,
+    ::testing::Values(
+        WrittenField{"Axis", with_stops("axis origin=\"1 -2.5 1e-3\" direction=\"1 2 3\"")},
+        WrittenField{"AxisOfThree",
+                     "<axis direction=\"0 1 0\"><stop at=\"0\" fractions=\"0.2 0.3 0.5\"/><stop at=\"3\" "
+                     "fractions=\"0.7 0.1 0.2\"/><stop at=\"3\" fractions=\"0 0 1\"/></axis>",
+                     GradedFolder::kThree},
+        WrittenField{"RadialAboutAnAxis", with_stops("radial origin=\"1 2 3\" direction=\"0.3 0 -1\"")},
+        WrittenField{"RadialAboutAPoint", with_stops("radial origin=\"1 2 3\"")},
+        WrittenField{"Distance",
+                     "<distance><stop at=\"0\" fractions=\"1 0\"/><stop at=\"2\" fractions=\"0 1\"/>"
+                     "</distance>"},
+        WrittenField{"Table", "<axis table=\"t.csv\"/>"},
+        WrittenField{"Formulas",
+                     "<expression detail=\"0.5\"><fraction>x &lt; 4 ? 0.5 + 0.1 * sin(y) : z / 20</fraction>"
+                     "<fraction>0.2 * exp(-d)</fraction></expression>",
+                     GradedFolder::kThree},
+        WrittenField{"Grid", "<grid file=\"g.vdb\"><fraction grid=\"share &amp; &lt;more&gt;\"/></grid>"}),
+    [](const auto& one) { return one.param.name; });
 
 TEST(Graded, WhatItIsMadeOfMustBeThere) {
   const Scene scene = box();

@@ -7,7 +7,7 @@ namespace {
 namespace fs = std::filesystem;
 
 TEST(MachineSchema, SchemaAndReaderJudgeTheSamplesAlike) {
-  test::expect_samples_to_be_judged("machine", 4, 40, read_machine);
+  test::expect_samples_to_be_judged("machine", 4, 50, read_machine);
 }
 
 TEST(MachineSchema, TheShippedMachinesAreValid) {

@@ -1,5 +1,6 @@
 #include "materials/machine.h"
 
+#include <cmath>
 #include <fstream>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -35,7 +36,7 @@ TEST(Machine, ToolsHoldWhatTheirGlobsMatchAndAllWithoutAny) {
 TEST(Machine, AChangeIsThatOfTheMatrixElseOfTheToolItLeadsTo) {
   const Machine machine = shipped("multi_nozzle.xml");
   EXPECT_DOUBLE_EQ(machine.change(ToolId{2}, ToolId{3}).time, 8.0);
-  EXPECT_DOUBLE_EQ(machine.change(ToolId{2}, ToolId{0}).purge, 30.0);
+  EXPECT_DOUBLE_EQ(machine.change(ToolId{2}, ToolId{0}).purge, 12.0);
   EXPECT_DOUBLE_EQ(machine.change(ToolId{0}, ToolId{1}).time, 20.0);
   EXPECT_DOUBLE_EQ(machine.change(ToolId{0}, ToolId{1}).purge, 40.0);
   EXPECT_DOUBLE_EQ(machine.change(ToolId{4}, ToolId{4}).time, 0.0);
@@ -69,6 +70,71 @@ TEST(Machine, ToolsHaveTheirOwnLayersWithinTheMachines) {
   EXPECT_DOUBLE_EQ(nozzles.layers_of(ToolId{2}).lo, 0.05);
   EXPECT_TRUE(takes_height({0.1, 0.2}, 0.1 - 4e-7));
   EXPECT_FALSE(takes_height({0.1, 0.2}, 0.2001));
+}
+
+TEST(Machine, TheAccelerationIsTheMaterialsElseTheToolsElseTheMachines) {
+  Machine machine;
+  machine.tools.push_back({"left", {}, 60.0, 200.0});
+  machine.tools.push_back({"right", {}, 30.0, 150.0});
+  const MaterialSettings plain;
+  EXPECT_EQ(machine.depositing(ToolId{0}, plain), (RampedMotion{60.0}));
+  EXPECT_TRUE(std::isinf(machine.traveling(ToolId{0}).acceleration));
+  machine.acceleration = 3000.0;
+  EXPECT_EQ(machine.depositing(ToolId{1}, plain), (RampedMotion{30.0, 3000.0}));
+  EXPECT_EQ(machine.traveling(ToolId{1}), (RampedMotion{150.0, 3000.0}));
+  machine.tools[ToolId{1}].acceleration = 2000.0;
+  EXPECT_EQ(machine.depositing(ToolId{1}, plain), (RampedMotion{30.0, 2000.0}));
+  EXPECT_EQ(machine.traveling(ToolId{1}), (RampedMotion{150.0, 2000.0}));
+  machine.travel_acceleration = 5000.0;
+  EXPECT_EQ(machine.traveling(ToolId{1}), (RampedMotion{150.0, 5000.0}));
+  machine.tools[ToolId{1}].travel_acceleration = 4000.0;
+  EXPECT_EQ(machine.traveling(ToolId{1}), (RampedMotion{150.0, 4000.0}));
+  EXPECT_EQ(machine.traveling(ToolId{0}), (RampedMotion{200.0, 5000.0}));
+  MaterialSettings soft;
+  soft.speed = 20.0;
+  soft.acceleration = 500.0;
+  EXPECT_EQ(machine.depositing(ToolId{1}, soft), (RampedMotion{20.0, 500.0}));
+}
+
+TEST(Machine, ReadsAccelerations) {
+  EXPECT_EQ(shipped("multi_nozzle.xml").depositing(ToolId{1}, {}).acceleration, 1000.0);
+  EXPECT_EQ(shipped("multi_nozzle.xml").traveling(ToolId{1}).acceleration, 5000.0);
+  EXPECT_EQ(shipped("multi_powder.xml").traveling(ToolId{0}).acceleration, 1e7);
+  const Machine machine = read_machine(test::source_dir() / "schemas/valid/machine/every_attribute.xml");
+  EXPECT_EQ(machine.acceleration, 3000.0);
+  EXPECT_EQ(machine.travel_acceleration, 5000.0);
+  EXPECT_EQ(machine.tools[ToolId{0}].acceleration, std::nullopt);
+  EXPECT_EQ(machine.tools[ToolId{1}].acceleration, 2000.0);
+  EXPECT_EQ(machine.tools[ToolId{1}].travel_acceleration, 4000.0);
+  EXPECT_EQ(machine.settings[0].acceleration, 1000.0);
+  EXPECT_EQ(machine.settings[1].acceleration, std::nullopt);
+}
+
+/// s over half the length from rest, in small steps of time.
+double stepped_half(const RampedMotion& motion, double half) {
+  constexpr double kStep = 1e-6;
+  double speed = 0.0;
+  double way = 0.0;
+  for (double time = 0.0;; time += kStep) {
+    const double next = std::min(motion.speed, speed + motion.acceleration * kStep);
+    const double part = 0.5 * (speed + next) * kStep;
+    if (way + part >= half) return time + kStep * (half - way) / part;
+    way += part;
+    speed = next;
+  }
+}
+
+TEST(RampedMotion, TakesAsLongAsSmallStepsOfTimeDo) {
+  for (const RampedMotion& motion :
+       {RampedMotion{60.0, 3000.0}, RampedMotion{250.0, 1000.0}, RampedMotion{30.0, 50000.0}}) {
+    // 1.2 mm, 62.5 mm and 0.018 mm are needed to reach the speed and lose it again.
+    for (const double length : {1e-4, 0.01, 0.018, 0.5, 1.2, 2.0, 62.5, 70.0}) {
+      EXPECT_NEAR(motion.time(length), 2.0 * stepped_half(motion, 0.5 * length), 3e-6) << length;
+    }
+    EXPECT_EQ(motion.time(0.0), 0.0);
+  }
+  EXPECT_DOUBLE_EQ((RampedMotion{50.0}).time(7.0), 7.0 / 50.0);
+  EXPECT_EQ((RampedMotion{50.0}).time(0.0), 0.0);
 }
 
 /// What only the reader sees, and what its message must say.
@@ -110,6 +176,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Slip{"layer_max=\"0.2\"", "layer_max=\"0.05\"", "more than layer_max"},
                       Slip{"layer_min=\"0.15\"", "layer_min=\"0.3\"", "more than layer_max"},
                       Slip{"layer_min=\"0.15\" layer_max=\"0.25\"", "layer_min=\"0.4\"", "aren't the machine's"},
+                      Slip{"acceleration=\"3000\" ", "", "without the machine's own"},
+                      Slip{" acceleration=\"3000\" travel_acceleration=\"5e3\"", "", "without the machine's own"},
                       Slip{"to=\"right\"", "to=\"left\"", "same tool"}, Slip{"P[LA]*", "P[LA*", "can't be used"}));
 
 TEST(Machine, CutOffAnywhereIsAnInputError) {
@@ -120,6 +188,30 @@ TEST(Machine, CutOffAnywhereIsAnInputError) {
     std::ofstream(folder / "cut.xml") << text.substr(0, size);
     EXPECT_THROW((void)read_machine(folder / "cut.xml"), InputError) << size;
   }
+}
+
+std::string sample(const char* name) {
+  std::ifstream stream(test::source_dir() / "schemas/valid/machine" / name);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+void expect_refusal(std::string text, const std::string& was, const std::string& becomes, const char* mentions) {
+  ASSERT_NE(text.find(was), std::string::npos);
+  text.replace(text.find(was), was.size(), becomes);
+  const test::TemporaryFolder folder;
+  std::ofstream(folder / "m.xml") << text;
+  try {
+    (void)read_machine(folder / "m.xml");
+    FAIL() << "accepted: " << becomes;
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr(mentions));
+  }
+}
+
+TEST(Machine, OnlyWhatMovesIsAccelerated) {
+  expect_refusal(sample("vat.xml"), "<deposition ", "<deposition acceleration=\"100\" ", "moves nothing");
+  expect_refusal(sample("jetting.xml"), "<deposition ", "<deposition acceleration=\"100\" travel_acceleration=\"9\" ",
+                 "no travels");
 }
 
 TEST(Machine, AVatNeedsAnExposureForEveryMaterial) {

@@ -20,6 +20,8 @@ struct GcodeMove {
   int tool = -1;
   std::string material;  ///< of the comment before it
   int layer = -1;
+  bool is_travel = false;     ///< G0
+  double acceleration = 0.0;  ///< mm/s^2 that the machine was told last for moves of this kind; 0: none
 
   [[nodiscard]] bool moves() const { return (to - from).head<2>().norm() > 0.0; }
 };
@@ -62,7 +64,12 @@ class GcodeReader {
 
   void obey(const std::string& command, const std::map<char, double>& values,
             const std::map<std::string, std::string>& named, const std::string& line) {
-    if (command == "G0" || command == "G1") return move(values);
+    if (command == "G0" || command == "G1") return move(values, command == "G0");
+    if (command == "M204") {
+      track_acceleration_ = values.at('P');
+      travel_acceleration_ = values.at('T');
+    }
+    if (command == "SET_VELOCITY_LIMIT") track_acceleration_ = travel_acceleration_ = std::stod(named.at("ACCEL"));
     if (command == "M82") is_relative_ = false;
     if (command == "M83") is_relative_ = true;
     if (command == "G92" && values.contains('E')) filament_ = values.at('E');
@@ -87,8 +94,9 @@ class GcodeReader {
     file_.tools.emplace_back(layer_, tool);
   }
 
-  void move(const std::map<char, double>& values) {
-    GcodeMove move{at_, at_, 0.0, tool_, material_, layer_};
+  void move(const std::map<char, double>& values, bool is_travel) {
+    GcodeMove move{at_,       at_,    0.0,       tool_,
+                   material_, layer_, is_travel, is_travel ? travel_acceleration_ : track_acceleration_};
     const auto set = [&](char axis, int index) {
       if (values.contains(axis)) move.to[index] = values.at(axis);
     };
@@ -106,6 +114,8 @@ class GcodeReader {
   GcodeFile file_;
   Vec3 at_ = Vec3::Zero();
   double filament_ = 0.0;
+  double track_acceleration_ = 0.0;
+  double travel_acceleration_ = 0.0;
   bool is_relative_ = false;
   int tool_ = -1;
   int layer_ = -1;

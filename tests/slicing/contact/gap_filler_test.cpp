@@ -110,6 +110,81 @@ INSTANTIATE_TEST_SUITE_P(
                       Pose{"Askew", Placement::turned(Vec3(1, 2, 3).normalized(), 1.0), 8.0}),
     [](const auto& pose) { return pose.param.name; });
 
+/// Whether the reader says that both are instances of one body, and how far the tolerance goes.
+struct CopiesCase {
+  bool are_instances;
+  double tolerance;
+};
+
+class TwoCopies : public ::testing::TestWithParam<CopiesCase> {
+ protected:
+  /// The block [0,2] x [0,1] x [0,1] and its copy beyond a gap of so many tolerances.
+  [[nodiscard]] Scene copies(double gap) const {
+    Scene scene;
+    for (const double y : {0.0, 1.0 + gap}) {
+      const std::size_t first = scene.faces.size();
+      test::SolidOptions options;
+      options.placement = Placement::at({0, y, 0});
+      options.name = y == 0.0 ? "low" : "high";
+      const SolidId id = test::add_box(scene, {0, 0, 0}, {2, 1, 1}, options).id;
+      if (!GetParam().are_instances) continue;
+      scene.solids[id].info.instance = Instance{0, Mat3::Identity(), Vec3(0, y, 0)};
+      for (std::size_t f = first; f < scene.faces.size(); ++f) {
+        scene.faces[FaceId{f}].step_entity = static_cast<int>(1 + f - first);
+      }
+    }
+    return scene;
+  }
+  /// Row 100 runs in the middle of the gap.
+  [[nodiscard]] test::SlicedScene sliced(double gap) const {
+    const Scene scene = copies(gap);
+    const Vec3 origin = Vec3::Constant(1.0 + 0.5 * gap - 0.5 * kPitch - 100 * kPitch);
+    return test::slice_scene(scene, test::one_material_each(scene), lattice(origin),
+                             touching_within(GetParam().tolerance));
+  }
+};
+
+TEST_P(TwoCopies, WithANarrowGapShareASurface) {
+  const double gap = 0.6 * GetParam().tolerance;
+  const auto found = sliced(gap);
+  std::size_t met = 0;
+  for (const Layer& layer : found.layers) {
+    for (std::size_t r = 81; r < 120; ++r) {
+      const auto row = layer.raster.row(r);
+      if (row.empty()) continue;
+      EXPECT_NEAR(covered(row), 2.0, 1e-5) << "row " << r << " of " << layer.index;
+      EXPECT_EQ(row.size(), 1U);
+      ++met;
+    }
+    // No hole.
+    if (!layer.raster.row(90).empty()) {
+      EXPECT_FALSE(layer.raster.row(100).empty()) << layer.index;
+    }
+  }
+  EXPECT_GT(met, 700U);
+  ASSERT_EQ(found.report.interfaces.size(), 1U);
+  EXPECT_NEAR(found.report.interfaces[0].area, 2.0, 1e-9);
+  EXPECT_NEAR(found.report.interfaces[0].largest_gap, gap, 1e-12);
+  EXPECT_TRUE(found.report.open_gaps.empty());
+}
+
+TEST_P(TwoCopies, WithAWiderGapLeaveItOpen) {
+  const double gap = 3.0 * GetParam().tolerance;
+  const auto found = sliced(gap);
+  for (const Layer& layer : found.layers) EXPECT_TRUE(layer.raster.row(100).empty()) << layer.index;
+  EXPECT_TRUE(found.report.interfaces.empty());
+  ASSERT_EQ(found.report.open_gaps.size(), 1U);
+  EXPECT_NEAR(found.report.open_gaps[0].area, 2.0, 1e-9);
+  EXPECT_NEAR(found.report.open_gaps[0].volume, 2.0 * gap, 1e-9);
+  EXPECT_NEAR(found.report.open_gaps[0].least_gap, gap, 1e-12);
+  EXPECT_NEAR(found.report.open_gaps[0].largest_gap, gap, 1e-12);
+}
+
+// With the wide tolerance the copies are clusters of their own, which are cut once.
+INSTANTIATE_TEST_SUITE_P(Copies, TwoCopies,
+                         ::testing::Values(CopiesCase{false, kTolerance}, CopiesCase{true, kTolerance},
+                                           CopiesCase{true, 1e-2}));
+
 TEST(GapFiller, AWiderGapStaysAndIsReported) {
   const double gap = 3.0 * kTolerance;
   const Scene scene = blocks(gap, {});

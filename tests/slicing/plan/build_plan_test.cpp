@@ -1,9 +1,13 @@
 #include "slicing/plan/build_plan.h"
 
+#include <algorithm>
+#include <cmath>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <random>
 #include <set>
 
+#include "core/xml.h"
 #include "materials/material_rules.h"
 #include "model/measure.h"
 #include "slicing/plan/statistics_sink.h"
@@ -89,6 +93,108 @@ TEST(BuildPlan, AddsUpVolumesTimesPurgesAndCosts) {
   EXPECT_NEAR(plan.time, 2 * (1.0 + 2 * laying) + 2 * 10.0, 1e-9);
   EXPECT_NEAR(plan.machine_cost, plan.time / 3600 * 36.0, 1e-9);
   EXPECT_NEAR(plan.cost, plan.machine_cost + 2 * 0.5 + 20e-6 * (80.0 + 10.0), 1e-9);
+}
+
+TEST(BuildPlan, AcceleratesEachTrackFromRestToRest) {
+  const Blocks blocks({"#"}, {"a"});
+  Machine machine = plain_machine();
+  machine.acceleration = 500.0;
+  // Tracks of 10 mm reach 50 mm/s within 5 mm and lose 0.1 s each; ways of 0.2 mm never reach 200 mm/s.
+  const double laying = 0.5 * (50 * (10.0 / 50.0 + 0.1) + 49 * 2.0 * std::sqrt(0.2 / 500.0));
+  EXPECT_NEAR(blocks.plan(machine).materials[0].time, laying, 1e-9);
+  machine.travel_acceleration = 2000.0;
+  const double faster = 0.5 * (50 * (10.0 / 50.0 + 0.1) + 49 * 2.0 * std::sqrt(0.2 / 2000.0));
+  EXPECT_NEAR(blocks.plan(machine).materials[0].time, faster, 1e-9);
+  machine.technology = Technology::powder_bed;
+  EXPECT_NEAR(blocks.plan(machine).materials[0].time, faster, 1e-9);
+}
+
+TEST(BuildPlan, SweepsGainTheirSpeedBesideTheBox) {
+  const Blocks blocks({"#"}, {"a"});
+  Machine machine = plain_machine();
+  machine.technology = Technology::material_jetting;
+  machine.swath = 4.0;
+  machine.turn = 0.25;
+  // The box is 10 x 10 mm: three sweeps.
+  EXPECT_NEAR(blocks.plan(machine).materials[0].time, 3 * (10.0 / 50.0 + 0.25), 1e-9);
+  machine.acceleration = 400.0;
+  EXPECT_NEAR(blocks.plan(machine).materials[0].time, 3 * (10.0 / 50.0 + 0.25 + 2 * 0.125), 1e-9);
+}
+
+TEST(BuildPlan, GivesAMaterialTheToolInWhichItCostsLeast) {
+  // b a | a | a b | a: two changes to a, one to b, and a lays twice as much.
+  const Blocks blocks({"####", "#.#."}, {"a", "b"});
+  const std::vector<ToolId> left{ToolId{0}};
+  const std::vector<ToolId> right{ToolId{1}};
+  Machine machine = plain_machine();
+  const BuildPlan alike = blocks.plan(machine);
+  EXPECT_EQ(alike.materials[0].tools, left);
+  EXPECT_EQ(alike.tool_changes, 3U);
+  ASSERT_TRUE(alike.matching);
+  EXPECT_TRUE(alike.matching->is_proved);
+
+  machine.tools[ToolId{0}].purge = 50.0;
+  const BuildPlan by_purge = blocks.plan(machine);
+  EXPECT_EQ(by_purge.materials[0].tools, right);
+  EXPECT_DOUBLE_EQ(by_purge.materials[0].purge + by_purge.materials[1].purge, 2 * 5.0 + 50.0);
+  EXPECT_TRUE(by_purge.matching->is_proved);
+
+  machine.tools[ToolId{0}].purge = 5.0;
+  machine.tools[ToolId{0}].speed = 20.0;
+  EXPECT_EQ(blocks.plan(machine).materials[0].tools, right);
+  // Purge goes before time.
+  machine.tools[ToolId{0}].purge = 4.0;
+  EXPECT_EQ(blocks.plan(machine).materials[0].tools, left);
+}
+
+TEST(BuildPlan, SaysThatAnotherToolMightCostLess) {
+  // Nine materials and nine tools of which no two are alike: 362 880 ways.
+  std::mt19937 random(3);
+  std::vector<std::string> holds(9, std::string(40, '.'));
+  std::vector<std::string> names;
+  Machine machine = plain_machine();
+  machine.tools = {};
+  machine.changes.clear();
+  for (std::size_t m = 0; m < holds.size(); ++m) {
+    names.emplace_back(1, static_cast<char>('a' + m));
+    for (char& mark : holds[m]) mark = random() % 2 == 0 ? '#' : '.';
+    machine.tools.push_back({"tool " + names.back(), {}, 40.0 + static_cast<double>(m), 200.0, 5.0});
+  }
+  for (const ToolId from : machine.tools.ids()) {
+    for (const ToolId to : machine.tools.ids()) {
+      const double purge = 1.0 + static_cast<double>(random() % 50);
+      if (from != to) machine.changes.push_back({from, to, 1.0, purge});
+    }
+  }
+  const BuildPlan plan = Blocks(holds, names).plan(machine);
+  ASSERT_TRUE(plan.matching);
+  EXPECT_FALSE(plan.matching->is_proved);
+  EXPECT_GT(plan.matching->weighed, 50U);
+  EXPECT_TRUE(plan.is_optimal());  // as to the number of changes, which is the same for all
+  double purge = 0.0;
+  for (const PlanMaterial& material : plan.materials) purge += material.purge;
+  const auto note = std::find_if(plan.findings.begin(), plan.findings.end(), [](const PlanFinding& one) {
+    return one.what.find("not proved to be the cheapest of all") != std::string::npos;
+  });
+  ASSERT_NE(note, plan.findings.end());
+  EXPECT_EQ(note->severity, Severity::note);
+  EXPECT_THAT(note->what, HasSubstr(std::to_string(plan.tool_changes) + " changes, " + format_double(purge) + " mm^3"));
+}
+
+TEST(BuildPlan, SaysThatToolsMustBeReloadedInsteadOfWeighingThem) {
+  EXPECT_FALSE(Blocks({"##..", "####", "..##"}, {"a", "b", "c"}).plan(plain_machine()).matching);
+}
+
+TEST(BuildPlan, AddsUpHugeTimesAndPurgesWithoutOverflow) {
+  Machine machine = plain_machine();
+  machine.change_time = 1e9;
+  for (MachineTool& tool : machine.tools) tool.purge = 1e9;
+  machine.tools[ToolId{0}].speed = 1e-6;
+  machine.tools[ToolId{1}].speed = 2e-6;
+  const BuildPlan plan = Blocks({std::string(3000, '#'), std::string(3000, '#')}, {"a", "b"}).plan(machine);
+  EXPECT_EQ(plan.tool_changes, 3000U);
+  EXPECT_TRUE(plan.is_optimal());
+  EXPECT_NEAR(plan.materials[0].purge + plan.materials[1].purge, 3e12, 1.0);
 }
 
 TEST(BuildPlan, ReloadsATool) {

@@ -1,5 +1,6 @@
 #include "slicing/plan/layer_statistics.h"
 
+#include <array>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <random>
@@ -146,6 +147,68 @@ TEST(LayerStatistics, ABoxOverASmallerOneHangsOverByTheRim) {
   // Grown by discs: 36 + 4 * 6 r + pi r^2. Each quarter disc is a sum over rows, whose width falls from r to 0: it is
   // right to a row times r.
   EXPECT_NEAR(overhang(1.0), 100.0 - (36.0 + 24.0 + kPi), 4 * 0.1 * 1.0);
+}
+
+/// s from rest to rest, in this test's own words.
+double ramped(double length, double speed, double acceleration) {
+  const double ramp = speed / acceleration;
+  const double over_ramps = ramp * speed;
+  return over_ramps <= length ? 2.0 * ramp + (length - over_ramps) / speed : std::sqrt(4.0 * length / acceleration);
+}
+
+/// Tracks of one material as [from, to] in cells, row by row, every second row that has any the other way round.
+std::vector<std::array<int, 3>> tracks_in(const Picture& picture, int label) {
+  std::vector<std::array<int, 3>> tracks;
+  bool backwards = false;
+  for (std::size_t j = 0; j < picture.size(); ++j) {
+    std::vector<std::array<int, 3>> row;
+    const int width = static_cast<int>(picture[j].size());
+    for (int i = 0; i < width; ++i) {
+      if (picture[j][static_cast<std::size_t>(i)] != label) continue;
+      if (row.empty() || row.back()[2] != i) row.push_back({static_cast<int>(j), i, i});
+      row.back()[2] = i + 1;
+    }
+    if (row.empty()) continue;
+    if (backwards) {
+      std::reverse(row.begin(), row.end());
+      for (auto& track : row) std::swap(track[1], track[2]);
+    }
+    backwards = !backwards;
+    tracks.insert(tracks.end(), row.begin(), row.end());
+  }
+  return tracks;
+}
+
+TEST(LayerStatistics, TimeEveryTrackAndTravelByItself) {
+  std::mt19937 random(6);
+  const BuildInfo info = make_build(small_grid(), {"a", "b"});
+  // 0.5 mm are shorter than what the first pace's tracks need for their speed, and longer than what the second's do.
+  const std::vector<Pace> paces{{{40.0, 1000.0}, {200.0, 5000.0}}, {{20.0, 4000.0}, {100.0}}};
+  StatisticsOptions options{.width = 0.4, .self_support = std::nullopt};
+  options.paces = {paces, {}};
+  for (int round = 0; round < 50; ++round) {
+    const Picture picture = random_picture(random, info.plan.grid, 2);
+    const LayerStatistics found = measure_layer(layer_of(info, picture, 0), info.plan.grid, 2, options, nullptr);
+    ASSERT_EQ(found.materials.size(), 2U);
+    EXPECT_TRUE(found.materials[1].times.empty());
+    const auto tracks = tracks_in(picture, 0);
+    for (std::size_t p = 0; p < paces.size(); ++p) {
+      double time = 0.0;
+      for (std::size_t t = 0; t < tracks.size(); ++t) {
+        const auto& [row, from, to] = tracks[t];
+        const double length = 0.5 * std::abs(to - from);
+        // Rows are 0.25 mm apart and tracks 0.4 mm wide: eight rows are five tracks.
+        time += 0.25 / 0.4 * ramped(length, paces[p].depositing.speed, paces[p].depositing.acceleration);
+        if (t == 0) continue;
+        const double way = std::hypot(0.5 * (from - tracks[t - 1][2]), 0.25 * (row - tracks[t - 1][0]));
+        time += 0.25 / 0.4 *
+                (std::isinf(paces[p].traveling.acceleration)
+                     ? way / paces[p].traveling.speed
+                     : ramped(way, paces[p].traveling.speed, paces[p].traveling.acceleration));
+      }
+      ASSERT_NEAR(found.materials[0].times.at(p), time, 1e-12 + 1e-9 * time);
+    }
+  }
 }
 
 TEST(LayerStatistics, FindTheShortestRunAndWhatIsThinnerThanATrack) {

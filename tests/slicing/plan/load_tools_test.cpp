@@ -1,6 +1,7 @@
 #include "slicing/plan/load_tools.h"
 
 #include <algorithm>
+#include <bit>
 #include <gtest/gtest.h>
 #include <map>
 #include <random>
@@ -168,6 +169,31 @@ TEST(LoadTools, ByMatchingNeverBeatTheLeast) {
     least_sum += static_cast<double>(least);
   }
   EXPECT_LT(excess, 0.5 * least_sum);
+}
+
+TEST(Matching, ACrowdIsNamedWhereThereIsNoMatching) {
+  std::mt19937 random(8);
+  int crowds = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const std::size_t tools = 1 + random() % 6;
+    std::vector<std::uint32_t> materials;
+    std::vector<std::uint32_t> holders;
+    for (std::uint32_t m = 0; m < 1 + random() % 7; ++m) {
+      materials.push_back(m);
+      holders.push_back(static_cast<std::uint32_t>(random() & random() & ((1U << tools) - 1U)));
+    }
+    const auto crowd = find_crowd(materials, holders);
+    ASSERT_EQ(crowd.has_value(), !match_tools(materials, holders).has_value());
+    if (!crowd) continue;
+    ++crowds;
+    std::uint32_t all = 0;
+    for (const std::uint32_t material : crowd->materials) all |= holders[material];
+    EXPECT_EQ(all, crowd->tools);
+    const std::set<std::uint32_t> named(crowd->materials.begin(), crowd->materials.end());
+    EXPECT_EQ(named.size(), crowd->materials.size());
+    EXPECT_EQ(static_cast<std::size_t>(std::popcount(all)) + 1, named.size());
+  }
+  EXPECT_GT(crowds, 200);
 }
 
 TEST(Matching, CheapestIsThatOfAllPermutations) {
