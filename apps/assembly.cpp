@@ -20,6 +20,7 @@ Assembly read_assembly(const Session& session, std::span<const StepPart> parts,
   assembly.scene = read_step_parts(parts, {}, session.progress(), shapes);
   assembly.findings = assembly.scene.findings;
   if (rules) {
+    for (const std::filesystem::path& file : rules->files) assembly.material_files.push_back(file.string());
     const std::vector<Finding> unused = find_unused_rules(assembly.scene, *rules);
     assembly.findings.insert(assembly.findings.end(), unused.begin(), unused.end());
   }

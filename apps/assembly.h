@@ -20,7 +20,8 @@ struct Assembly {
   Scene scene;
   MaterialTable table;
   IdVector<SolidId, SolidMeasure> measures;
-  std::vector<Finding> findings;  ///< the reader's, and rules that decide about nothing
+  std::vector<Finding> findings;            ///< the reader's, and rules that decide about nothing
+  std::vector<std::string> material_files;  ///< that the materials file names
 };
 
 /// Reads STEP files as one assembly and says on stderr what is doubtful. The materials file, if any, is read first, so

@@ -213,6 +213,11 @@ Findings check_step(const Session& session, const fs::path& file) {
 
 /// The beginning of a file. Throws InputError when it can't be read.
 std::string read_head(const fs::path& file) {
+  std::error_code failure;
+  // To open a pipe is to wait for who writes into it.
+  if (fs::exists(file, failure) && !fs::is_regular_file(file, failure)) {
+    throw InputError("not a regular file", file.string(), "check a build folder or a file");
+  }
   std::ifstream stream(file, std::ios::binary);
   std::string head(1 << 16, '\0');
   stream.read(head.data(), static_cast<std::streamsize>(head.size()));

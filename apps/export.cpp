@@ -22,7 +22,7 @@ ExitCode run(const Session& session, const ExportOptions& options) {
   std::vector<std::string> inputs{options.build};
   if (options.format.plan) inputs.push_back(*options.format.plan);
   if (options.format.machine) inputs.push_back(*options.format.machine);
-  refuse_inputs_as_outputs({options.output.path}, inputs);
+  refuse_inputs_as_outputs(places_of(options.output, options.format), inputs);
   check_writable(options.output);
   const StoreReader reader(options.build);
   const LayerRange range = clip(options.layers, reader.info().plan.layers.size());
@@ -47,7 +47,7 @@ ExportOptions read_options(const CLI::App& verb, const std::string& build) {
                      "slice with --png-coverage");
   }
   options.format = read_format_options(verb);
-  check_format_options(options.format, {options.output});
+  check_format_options(verb, options.format, {options.output});
   if (const auto layers = given(verb, "--layers")) options.layers = parse_layers(*layers);
   return options;
 }

@@ -192,7 +192,50 @@ FormatOptions read_format_options(const CLI::App& verb) {
   return options;
 }
 
-void check_format_options(const FormatOptions& options, const std::vector<Output>& outputs) {
+namespace {
+
+/// An option and the formats that it is for, with spaces around each.
+struct FormatOption {
+  const char* name;
+  const char* formats;
+};
+constexpr std::array kOptionsOfFormats{
+    FormatOption{"--xml-payload", " xml "},
+    FormatOption{"--vdb-grids", " vdb "},
+    FormatOption{"--vdb-ids", " vdb "},
+    FormatOption{"--vdb-sdf", " vdb "},
+    FormatOption{"--grey-bits", " png-grey png-coverage "},
+    FormatOption{"--sl1-display", " sl1 "},
+    FormatOption{"--step-hatches", " step "},
+    FormatOption{"--z-pitch", " polyjet tiff sl1 vdb vti nrrd mhd "},
+    FormatOption{"--raw", " tiff vti nrrd mhd "},
+};
+
+/// An option that changes nothing is a slip of its user.
+void refuse_idle_options(const CLI::App& verb, const std::vector<Output>& outputs) {
+  for (const FormatOption& option : kOptionsOfFormats) {
+    const std::string_view formats = option.formats;
+    const bool is_used = std::any_of(outputs.begin(), outputs.end(), [&](const Output& output) {
+      return formats.find(" " + output.format + " ") != std::string_view::npos;
+    });
+    if (verb.count(option.name) > 0 && !is_used) {
+      throw UsageError("no output is of a format that this is for", option.name,
+                       "it is for" + std::string(formats.substr(0, formats.size() - 1)));
+    }
+  }
+  const bool can_dither = std::any_of(outputs.begin(), outputs.end(), [](const Output& output) {
+    const Format* format = find_format(output.format);
+    return format != nullptr && format->has_single_materials;
+  });
+  if (verb.count("--dither") > 0 && !can_dither) {
+    throw UsageError("no output has voxels of one material", "--dither", "it is for pictures and volumes of labels");
+  }
+}
+
+}  // namespace
+
+void check_format_options(const CLI::App& verb, const FormatOptions& options, const std::vector<Output>& outputs) {
+  refuse_idle_options(verb, outputs);
   const bool has_gcode =
       std::any_of(outputs.begin(), outputs.end(), [](const Output& output) { return output.format == "gcode"; });
   if (!has_gcode) {

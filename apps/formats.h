@@ -65,8 +65,8 @@ void check_format(const std::string& name);
 /// Adds the options of formats but --machine; read_format_options() reads all after the parse.
 void add_format_options(CLI::App& verb);
 [[nodiscard]] FormatOptions read_format_options(const CLI::App& verb);
-/// Throws UsageError when an output lacks an option that it needs, or --plan is given without G-code.
-void check_format_options(const FormatOptions& options, const std::vector<Output>& outputs);
+/// Throws UsageError when an output lacks an option that it needs, or an option is given that is for none of them.
+void check_format_options(const CLI::App& verb, const FormatOptions& options, const std::vector<Output>& outputs);
 
 /// A sink for "store" or any available format. Throws UsageError on others.
 [[nodiscard]] std::unique_ptr<LayerSink> make_sink(const Output& output, const FormatOptions& options);

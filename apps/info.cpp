@@ -181,6 +181,7 @@ ExitCode run(const Session& session, const InfoOptions& options) {
     refuse_inputs_as_outputs({*options.write_materials}, inputs);
   }
   Assembly assembly = read_assembly(session, options.files, options.materials);
+  if (options.write_materials) refuse_inputs_as_outputs({*options.write_materials}, assembly.material_files);
   measure_assembly(session, assembly);
   if (options.write_materials) {
     const auto folder = std::filesystem::absolute(*options.write_materials).parent_path();

@@ -50,6 +50,7 @@ void write_page(const OrientVerb& verb, const Assembly& assembly, const OrientOu
 ExitCode run(const Session& session, const OrientVerb& verb) {
   check_page(verb);
   Assembly assembly = read_assembly(session, verb.parts, verb.materials);
+  if (verb.page) refuse_inputs_as_outputs({*verb.page}, assembly.material_files);
   require_solid(assembly.scene, false);
   measure_assembly(session, assembly);
   const OrientOutcome outcome = find_orientation(session, assembly, verb.request);

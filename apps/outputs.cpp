@@ -49,6 +49,24 @@ void check_build_folder(const fs::path& folder) {
 
 namespace {
 
+constexpr const char* kShardFolder = "layers";
+
+/// Whether this is the folder of a build in which its layers lie.
+bool is_shards(const fs::path& path) {
+  std::error_code failure;
+  return path.filename() == kShardFolder && fs::exists(path.parent_path() / kBuildName, failure);
+}
+
+/// A build is a folder with files of its own; others may lie beside them.
+void append_files(const fs::path& input, std::vector<fs::path>& files) {
+  files.push_back(input);
+  std::error_code failure;
+  if (!fs::is_directory(input, failure)) return;
+  for (const char* name : {kBuildName, kUnfinishedName, "run.json", "layers.h5", kShardFolder}) {
+    files.push_back(input / name);
+  }
+}
+
 /// Whether `inner` is `outer` or lies below it.
 bool is_within(const fs::path& inner, const fs::path& outer) {
   return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
@@ -56,20 +74,29 @@ bool is_within(const fs::path& inner, const fs::path& outer) {
 
 }  // namespace
 
+std::vector<fs::path> places_of(const Output& output, const FormatOptions& options) {
+  std::vector<fs::path> places{output.path};
+  if (output.format != "mhd") return places;
+  const fs::path data = mhd_data_place(output.path, options.raw);
+  if (data != output.path) places.push_back(data);
+  return places;
+}
+
 void refuse_inputs_as_outputs(const std::vector<fs::path>& outputs, const std::vector<std::string>& inputs) {
+  std::vector<fs::path> inputs_there;
+  for (const std::string& input : inputs) append_files(resolved(input), inputs_there);
   std::vector<fs::path> taken;
-  for (const std::string& input : inputs) taken.push_back(resolved(input));
-  for (std::size_t i = 0; i < outputs.size(); ++i) {
-    const fs::path place = resolved(outputs[i]);
-    for (std::size_t j = 0; j < taken.size(); ++j) {
-      const bool is_input = j < inputs.size();
-      if (is_input && place == taken[j]) {
-        throw UsageError("an output would overwrite an input", outputs[i].string(), "choose another name");
+  for (const fs::path& output : outputs) {
+    const fs::path place = resolved(output);
+    for (const fs::path& input : inputs_there) {
+      if (place == input || (is_shards(input) && is_within(place, input))) {
+        throw UsageError("an output would overwrite an input", output.string(), "choose another name");
       }
-      if (!is_input && (is_within(place, taken[j]) || is_within(taken[j], place))) {
-        throw UsageError(place == taken[j] ? "two outputs have the same place" : "an output lies inside another",
-                         outputs[i].string(), "choose a place of its own");
-      }
+    }
+    for (const fs::path& other : taken) {
+      if (!is_within(place, other) && !is_within(other, place)) continue;
+      throw UsageError(place == other ? "two outputs have the same place" : "an output lies inside another",
+                       output.string(), "choose a place of its own");
     }
     taken.push_back(place);
   }

@@ -16,7 +16,11 @@ struct WrittenFile {
   std::uintmax_t bytes = 0;
 };
 
-/// Throws UsageError when an output is one of the inputs, or lies where another output lies.
+/// The files or folders that an output takes.
+[[nodiscard]] std::vector<std::filesystem::path> places_of(const Output& output, const FormatOptions& options);
+
+/// Throws UsageError when an output is one of the inputs, or a file of one that is a build, or lies where another
+/// output lies.
 void refuse_inputs_as_outputs(const std::vector<std::filesystem::path>& outputs,
                               const std::vector<std::string>& inputs);
 

@@ -21,17 +21,24 @@ namespace lamella::apps {
 
 namespace {
 
-void check_request(const SliceRequest& request) {
+std::vector<std::filesystem::path> places_of(const SliceRequest& request) {
   std::vector<std::filesystem::path> places;
-  for (const Output& output : request.outputs) places.push_back(output.path);
+  for (const Output& output : request.outputs) {
+    const std::vector<std::filesystem::path> taken = places_of(output, request.format);
+    places.insert(places.end(), taken.begin(), taken.end());
+  }
   if (request.adaptive_chart) places.push_back(*request.adaptive_chart);
+  return places;
+}
+
+void check_request(const SliceRequest& request) {
   std::vector<std::string> inputs;
   for (const StepPart& part : request.parts) inputs.push_back(part.file.string());
   if (request.job) inputs.push_back(*request.job);
   if (request.materials) inputs.push_back(*request.materials);
   if (request.machine) inputs.push_back(*request.machine);
   if (request.format.plan) inputs.push_back(*request.format.plan);
-  refuse_inputs_as_outputs(places, inputs);
+  refuse_inputs_as_outputs(places_of(request), inputs);
   for (const Output& output : request.outputs) check_writable(output);
   if (request.adaptive_chart) check_writable({"xml", *request.adaptive_chart});  // a file, as that is
 }
@@ -115,6 +122,7 @@ ExitCode run(const Session& session, SliceRequest& request) {
   Timing timing;
   check_request(request);
   Assembly assembly = read_assembly(session, request.parts, request.materials);
+  refuse_inputs_as_outputs(places_of(request), assembly.material_files);
   assembly.table.policy = request.policy;
   require_solid(assembly.scene, request.slice.allow_open);
   timing.read = watch.lap();

@@ -203,7 +203,7 @@ SliceRequest read_slice_request(CLI::App& verb, const std::vector<std::string>& 
     throw UsageError("--output is required", {}, "name a folder for the build: -o BUILD; or any format: --png DIR");
   }
   request.format = read_format_options(verb);
-  check_format_options(request.format, request.outputs);
+  check_format_options(verb, request.format, request.outputs);
   request.plan = read_plan(verb);
   request.machine = given(verb, "--machine");
   request.adaptive = read_adaptive_options(verb);

@@ -54,8 +54,8 @@ std::string vector_text(const Vec3& v) {
 
 class MhdFile final : public VolumeFile {
  public:
-  MhdFile(std::filesystem::path path, bool is_raw) : path_(std::move(path)), data_path_(path_), is_raw_(is_raw) {
-    data_path_.replace_extension(is_raw ? ".raw" : ".zraw");
+  MhdFile(std::filesystem::path path, bool is_raw)
+      : path_(std::move(path)), data_path_(mhd_data_place(path_, is_raw)), is_raw_(is_raw) {
     if (data_path_ == path_)
       throw UsageError("the header would have the name of its data", path_.string(), "name it .mhd");
   }
@@ -115,6 +115,10 @@ class MhdFile final : public VolumeFile {
 };
 
 }  // namespace
+
+std::filesystem::path mhd_data_place(std::filesystem::path file, bool is_raw) {
+  return file.replace_extension(is_raw ? ".raw" : ".zraw");
+}
 
 std::filesystem::path mhd_data_file(const std::filesystem::path& file) {
   constexpr std::string_view kKey = "ElementDataFile = ";

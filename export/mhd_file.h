@@ -12,6 +12,9 @@ namespace lamella {
 [[nodiscard]] std::unique_ptr<LayerSink> make_mhd_sink(const std::filesystem::path& file,
                                                        const VolumeOptions& options = {});
 
+/// Where make_mhd_sink() puts the data.
+[[nodiscard]] std::filesystem::path mhd_data_place(std::filesystem::path file, bool is_raw);
+
 /// The file that holds the data of a MetaImage header of ours; empty when `file` is none or has lost it.
 [[nodiscard]] std::filesystem::path mhd_data_file(const std::filesystem::path& file);
 

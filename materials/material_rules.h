@@ -59,9 +59,10 @@ struct MaterialRules {
   std::vector<LibraryMatch> matches;  ///< in the order of the library
   std::vector<SolidOverride> overrides;
   std::vector<MaterialRule> rules;
-  std::vector<MaterialSource> sources;  ///< in the order in which they are asked; empty: none is
-  std::optional<std::string> fallback;  ///< material of solids that no rule covers
-  std::string source;                   ///< file name, for messages
+  std::vector<MaterialSource> sources;       ///< in the order in which they are asked; empty: none is
+  std::optional<std::string> fallback;       ///< material of solids that no rule covers
+  std::string source;                        ///< file name, for messages
+  std::vector<std::filesystem::path> files;  ///< that it names: included libraries, tables, grids
 };
 
 /// Reads materials.xml (schemas/materials.xsd). Throws InputError with file, line and hint.

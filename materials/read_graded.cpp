@@ -61,14 +61,27 @@ Vec3 read_direction(const XmlElement& element) {
   throw InputError("a direction without length", element.where(), "write \"x y z\", not all zero");
 }
 
-Stops read_stops(const XmlElement& element, std::size_t components, const std::filesystem::path& folder) {
-  Stops stops(components);
+/// What the readers of the kinds of fields share.
+struct FieldContext {
+  std::size_t components;
+  const std::filesystem::path& folder;
+  std::vector<std::filesystem::path>& files;
+
+  /// The file that an attribute names.
+  [[nodiscard]] std::filesystem::path file(const XmlElement& element, const char* attribute) const {
+    files.push_back(folder / read_name(element, attribute));
+    return files.back();
+  }
+};
+
+Stops read_stops(const XmlElement& element, const FieldContext& context) {
+  Stops stops(context.components);
   const std::vector<XmlElement> lines = element.children("stop");
   if (element.has("table") == !lines.empty()) {
     throw InputError("<" + std::string(element.name()) + "> needs either <stop>s or a table", element.where(),
                      "write <stop at=\"mm\" fractions=\"...\"/>, or table=\"file.csv\"");
   }
-  if (element.has("table")) stops.read_csv(folder / read_name(element, "table"));
+  if (element.has("table")) stops.read_csv(context.file(element, "table"));
   for (const XmlElement& line : lines) {
     line.allow_only({"at", "fractions"}, {});
     refuse_text(line);
@@ -77,34 +90,26 @@ Stops read_stops(const XmlElement& element, std::size_t components, const std::f
   return stops;
 }
 
-/// What the readers of the kinds of fields share.
-struct FieldContext {
-  std::size_t components;
-  const std::filesystem::path& folder;
-};
-
 using Source = std::shared_ptr<const FieldSource>;
 
 Source read_axis(const XmlElement& element, const FieldContext& context) {
   element.allow_only({"origin", "direction", "table"}, {"stop"});
   return make_axis_field(read_vector(element, "origin", Vec3::Zero()), read_direction(element),
-                         read_stops(element, context.components, context.folder));
+                         read_stops(element, context));
 }
 
 Source read_radial(const XmlElement& element, const FieldContext& context) {
   element.allow_only({"origin", "direction", "table"}, {"stop"});
   std::optional<Vec3> direction;
   if (element.has("direction")) direction = read_direction(element);
-  return make_radial_field(read_vector(element, "origin", Vec3::Zero()), direction,
-                           read_stops(element, context.components, context.folder));
+  return make_radial_field(read_vector(element, "origin", Vec3::Zero()), direction, read_stops(element, context));
 }
 
 Source read_distance(const XmlElement& element, const FieldContext& context) {
   element.allow_only({"faces", "table"}, {"stop"});
   std::optional<std::string> faces;
   if (element.has("faces")) faces = read_glob(element, "faces");
-  return make_distance_field(std::move(faces), read_stops(element, context.components, context.folder),
-                             element.where());
+  return make_distance_field(std::move(faces), read_stops(element, context), element.where());
 }
 
 /// The texts of the <fraction>s, or their attribute `grid`.
@@ -138,7 +143,7 @@ Source read_grid(const XmlElement& element, const FieldContext& context) {
     refuse_text(fraction);
     grids.push_back(read_name(fraction, "grid"));
   }
-  return make_vdb_field(context.folder / read_name(element, "file"), grids, context.components, element.where());
+  return make_vdb_field(context.file(element, "file"), grids, context.components, element.where());
 }
 
 struct FieldKind {
@@ -197,7 +202,7 @@ void check_order(const XmlElement& element) {
 }  // namespace
 
 Material read_graded(const XmlElement& element, const std::vector<Material>& library,
-                     const std::filesystem::path& folder) {
+                     const std::filesystem::path& folder, std::vector<std::filesystem::path>& files) {
   element.allow_only({"name", "color", "priority", "deviation", "layer_min", "layer_max"},
                      {"match", "component", "axis", "radial", "distance", "expression", "grid"});
   refuse_text(element);
@@ -210,7 +215,7 @@ Material read_graded(const XmlElement& element, const std::vector<Material>& lib
     if (kind == kFieldKinds.end()) continue;
     if (material.field) throw InputError("a graded material with two fields", child.where(), "leave one of them out");
     refuse_text(child);
-    material.field = kind->read(child, {material.components.size(), folder});
+    material.field = kind->read(child, {material.components.size(), folder, files});
   }
   if (!material.field) {
     throw InputError("a graded material without a field", element.where(), "add " + std::string(kKinds));

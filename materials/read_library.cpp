@@ -54,6 +54,7 @@ void LibraryReader::read_include(const XmlElement& element) {
   if (open_.size() > kMaxDepth || included_.size() > kMaxIncludes) {
     throw InputError("too many included libraries", element.where(), "at most 256 in all, 16 within one another");
   }
+  rules_.files.push_back(file);
   const XmlDocument document = XmlDocument::read(file);
   const XmlElement root = document.root("materials");
   check_materials_head(root);
@@ -74,7 +75,7 @@ void LibraryReader::read_material(const XmlElement& element) {
 }
 
 void LibraryReader::read_graded_material(const XmlElement& element) {
-  add_material(element, read_graded(element, rules_.library, open_.back().parent_path()));
+  add_material(element, read_graded(element, rules_.library, open_.back().parent_path(), rules_.files));
 }
 
 /// Adds what the element says of every kind of material.

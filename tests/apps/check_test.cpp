@@ -1,4 +1,5 @@
 #include <gmock/gmock.h>
+#include <sys/stat.h>
 
 #include "tests/apps/command_json.h"
 
@@ -83,6 +84,15 @@ TEST(Check, ADocumentTypeIsAFinding) {
   const TemporaryFolder folder;
   write_text(folder / "bomb.xml", "<!DOCTYPE materials [<!ENTITY a 'b'>]><materials/>");
   EXPECT_EQ(check(quoted(folder / "bomb.xml"), 3)["ok"], false);
+}
+
+/// To open one is to wait for who writes into it.
+TEST(Check, RefusesAPipeAtOnce) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  const CommandResult result = run_lamella("check " + quoted(folder / "pipe"), {.seconds = 20});
+  EXPECT_EQ(result.exit_code, 2) << result.errors;
+  EXPECT_THAT(result.errors, HasSubstr("not a regular file"));
 }
 
 }  // namespace

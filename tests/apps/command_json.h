@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <initializer_list>
 #include <iterator>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -73,6 +74,13 @@ inline std::vector<std::string> files_below(const std::filesystem::path& folder)
     if (entry.is_regular_file()) names.push_back(std::filesystem::relative(entry.path(), folder).string());
   }
   return names;
+}
+
+/// What all files below a folder hold, by their names.
+inline std::map<std::string, std::string> contents_below(const std::filesystem::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const std::string& name : files_below(folder)) files[name] = contents(folder / name);
+  return files;
 }
 
 }  // namespace lamella::test

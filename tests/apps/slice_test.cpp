@@ -87,6 +87,31 @@ TEST(Slice, BothEnginesGiveTheSameVolumes) {
   }
 }
 
+TEST(Slice, NeverWritesOverWhatTheMaterialsFileNames) {
+  const TemporaryFolder folder;
+  const auto write = [&](const char* name, const std::string& text) { std::ofstream(folder / name) << text; };
+  const std::string head = "<materials xmlns=\"urn:lamella:materials:1\" version=\"1.0\"><library>";
+  write(
+      "library.xml",
+      head + "<material name=\"A\" color=\"#ff0000\"/><material name=\"B\" color=\"#0000ff\"/></library></materials>");
+  write("table.csv", "0,1,0\n100,0,1\n");
+  write(
+      "m.xml",
+      head +
+          "<include href=\"library.xml\"/><graded name=\"G\"><component material=\"A\"/><component material=\"B\"/>"
+          "<axis direction=\"0 0 1\" table=\"table.csv\"/></graded></library><assignments default=\"G\"/></materials>");
+  const std::string slice = "slice " + boxes() + kCoarse + "--materials " + quoted(folder / "m.xml");
+  for (const std::string output : {"--xml " + quoted(folder / "library.xml"), "--cli " + quoted(folder / "table.csv"),
+                                   "--mhd " + quoted(folder / "x.mhd") + " --xml " + quoted(folder / "table.csv")}) {
+    const auto before = contents_below(folder.path());
+    const CommandResult result = run_lamella(slice + " " + output);
+    EXPECT_EQ(result.exit_code, 1) << output << result.errors;
+    EXPECT_THAT(result.errors, HasSubstr("overwrite an input"));
+    EXPECT_EQ(contents_below(folder.path()), before);
+  }
+  EXPECT_EQ(run_lamella(slice + " --xml " + quoted(folder / "s.xml")).exit_code, 0);
+}
+
 TEST(Slice, EveryFormatComesFromTheSamePass) {
   const TemporaryFolder folder;
   const CommandResult result =
