@@ -68,6 +68,16 @@ std::vector<std::filesystem::path> files() {
   return out;
 }
 
+// A place on the impeller's back plate, in a ring of level face: OpenCASCADE's classifier takes what is below for
+// outside, and the nearest wall is 5.5 mm away. With layers that end at the face the deviation is none.
+TEST(MeasureDeviation, IsNotMisledByTheClassifier) {
+  const auto file = datasets_dir() / "impeller_135" / "impeller_135.step";
+  EXPECT_NEAR(surface_deviation_at(file, 2, {-7.5, -0.2, -0.05, 0.0, 0.05, 0.5}, {5.86024371, 9.34457921, 0.0}), 0.0,
+              1e-6);
+  EXPECT_NEAR(surface_deviation_at(file, 2, {-7.5, -0.2, -0.05, 0.03, 0.05, 0.5}, {5.86024371, 9.34457921, 0.0}), 0.03,
+              1e-6);
+}
+
 INSTANTIATE_TEST_SUITE_P(Files, AdaptiveDeviation, ::testing::ValuesIn(files()),
                          [](const auto& one) { return test_name(one.param); });
 
