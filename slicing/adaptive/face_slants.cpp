@@ -99,8 +99,8 @@ FaceSlants::FaceSlants(const Scene& scene, FaceId face)
     : face_(scene.faces[face]), region_(scene, face), form_(rational_form(face_.surface, padded(face_.uv_bounds))) {
   nets_.reserve(form_.patches.size());
   for (const BezierPatch& patch : form_.patches) nets_.push_back(normal_net(patch));
-  const Box3 box = face_bounds(scene, face).box;
-  if (!box.isEmpty()) heights_ = {box.min().z(), box.max().z()};
+  box_ = face_bounds(scene, face).box;
+  if (!box_.isEmpty()) heights_ = heights_of(box_);
 }
 
 Vec3 FaceSlants::normal_at(const Vec2& uv) const {
@@ -134,6 +134,21 @@ NormalCone FaceSlants::normals_of(std::size_t patch, const Interval& u, const In
     for (Vec3& d : part.net) d = -d;
   }
   return cone_of(part);
+}
+
+double FaceSlants::largest_slant_of(std::size_t patch, const Interval& u, const Interval& v) const {
+  return slant_range(slant_net(restrict_to(nets_[patch], u, v))).bound;
+}
+
+LookRange FaceSlants::looks_of(std::size_t patch, const Interval& u, const Interval& v) const {
+  const NormalNet part = restrict_to(nets_[patch], u, v);
+  const double sense = face_.same_sense ? 1.0 : -1.0;
+  LookRange out;
+  for (const Vec3& d : part.net) {
+    out.up |= sense * d.z() > part.rounding;
+    out.down |= sense * d.z() < -part.rounding;
+  }
+  return out;
 }
 
 bool FaceSlants::is_outside(const Interval& u, const Interval& v) const {

@@ -23,7 +23,7 @@ TEST(Adaptive, ReportsLayersWithinTheDeviation) {
   const Json& adaptive = report["adaptive"];
   expect_keys(adaptive, {"deviation", "quantum", "range", "layers", "largest_deviation", "mean_deviation",
                          "greedy_layers", "greedy_missed", "uniform_layers", "uniform_thickness", "materials",
-                         "sharp_edges", "missed", "features", "thicknesses"});
+                         "sharp_edges", "thin_faces", "missed", "features", "thicknesses"});
   EXPECT_EQ(adaptive["layers"], report["layers"]);
   EXPECT_EQ(report["grid"]["size"][2], report["layers"]);
   EXPECT_LE(adaptive["largest_deviation"], 0.1 + 1e-9);

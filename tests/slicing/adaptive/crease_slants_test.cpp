@@ -112,5 +112,26 @@ TEST(CreaseSlants, LayersEndAtAValleyInsideAFace) {
   }
 }
 
+// A ridge that climbs to the face's border: all around its end at (1, 0, 6), that isn't the solid's highest point, the
+// surface falls. Neither the ridge nor the border is level there, and each patch with the side has no vertical between.
+TEST(CreaseSlants, LayersEndWhereACreaseEndsInAPeakAtTheBorder) {
+  const auto peaks = folded({{0, 0, 0}, {6, 3, 1}, {0, 0, 0}, {1, 9, 1}, {0, 0, 0}});
+  const AdaptivePlan plan = plan_layers_of(below(peaks), 0.4, 0.2, 0.7, 0.1);
+  std::vector<double> heights;
+  for (const MetFeature& met : plan.features) heights.push_back(met.feature.z);
+  EXPECT_THAT(heights, Contains(DoubleNear(6.0, 1e-6)));
+  // Below, the same ridge is a notch that runs out at the border: nothing begins or ends there.
+  EXPECT_THAT(heights, Not(Contains(DoubleNear(-14.0, 1e-6))));
+}
+
+// The same where the border rises on: the crease's end is no extremum.
+TEST(CreaseSlants, ACreaseThatEndsInASlopeIsNoFeature) {
+  const auto slope = folded({{0, 0, 0}, {6, 3, 1}, {8, 4, 2}, {1, 9, 1}, {0, 0, 0}});
+  const AdaptivePlan plan = plan_layers_of(below(slope), 0.4, 0.2, 0.7, 0.1);
+  std::vector<double> heights;
+  for (const MetFeature& met : plan.features) heights.push_back(met.feature.z);
+  EXPECT_THAT(heights, Not(Contains(DoubleNear(6.0, 1e-6))));
+}
+
 }  // namespace
 }  // namespace lamella::test

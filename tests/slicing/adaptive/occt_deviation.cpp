@@ -36,6 +36,7 @@ namespace {
 
 constexpr double kFar = 1e6;  // mm
 constexpr int kDirections = 12;
+constexpr double kOnSurface = 1e-6;  // mm
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 gp_Pnt point_of(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
@@ -278,6 +279,8 @@ class SolidMeter {
     if (facets_.empty()) return;
     const Vec3 p = random_surface_point();
     const double nearest = distance_to_built(p, out.surface);
+    // Triangles in the surface's parameters may lie across the face's border.
+    if (nearest > out.surface && distance_to_surface(p) > kOnSurface) return;
     ++out.surface_samples;
     if (nearest <= out.surface) return;
     out.surface = nearest;
