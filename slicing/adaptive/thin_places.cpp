@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <queue>
 #include <utility>
 
 #include "model/bezier.h"
@@ -178,24 +179,24 @@ class Look {
  public:
   Look(const Halved& halved, LayerHalf half, Partners& partners, const SlantProfile& known, const LayerReach& reach,
        const WedgeRule& rule)
-      : halved_(halved), half_(half), partners_(partners), seen_(known), reach_(reach), rule_(rule) {}
+      : halved_(halved), half_(half), partners_(partners), known_(known), seen_(known), reach_(reach), rule_(rule) {}
 
-  void at(const Part& part, std::vector<std::uint32_t> others) {
-    ++parts_;
-    const Interval z = heights_of(part.box);
-    const double reach = reach_.at(z);
-    const double slant = halved_.slant(part);
-    const double rate = receding_rate(slant);
-    if (!(reach > 0.0) || rate <= seen_.least_rate(z, half_) + kSlantAccuracy) return;
-    const double size = size_of(part.box);
-    others = those_near(part, std::move(others), reach, size);
+  /// Enters a part, to be looked at by run(), with what may lie above or below.
+  void add(const Part& part, std::vector<std::uint32_t> others) {
+    const double reach = reach_.at(heights_of(part.box));
+    if (!(reach > 0.0)) return;
+    std::erase_if(others, [&](std::uint32_t other) { return !meets(part, partners_.part(other), reach); });
     if (others.empty()) return;
-    const bool has_much = parts_ + partners_.size() > kMaxParts || pairs_ > kMaxPairs;
-    if (size <= kFine * reach || has_much) {
-      note(part, others, slant, rate);
-      return;
+    open_.push({halved_.slant(part), parts_++, part, reach, std::move(others)});
+  }
+
+  /// The most slanted parts first: others at the same heights then tell nothing.
+  void run() {
+    while (!open_.empty()) {
+      Open next = open_.top();
+      open_.pop();
+      look_at(next);
     }
-    for (const Part& half : halved_.halves(part)) at(half, others);
   }
 
   void take(ThinParts& out) const {
@@ -205,6 +206,38 @@ class Look {
   }
 
  private:
+  struct Open {
+    double slant = 0.0;
+    std::size_t order = 0;
+    Part part;
+    double reach = 0.0;
+    std::vector<std::uint32_t> others;
+
+    bool operator<(const Open& other) const {
+      return slant != other.slant ? slant < other.slant : order > other.order;
+    }
+  };
+
+  void look_at(Open& open) {
+    const Interval z = heights_of(open.part.box);
+    const double rate = receding_rate(open.slant);
+    if (rate <= seen_.least_rate(z, half_)) return;
+    // What is hardly more than is known isn't worth a closer look.
+    if (receding_rate(open.slant - kSlantAccuracy) <= known_.least_rate(z, half_)) {
+      note(open.part, open.others, open.slant, rate);
+      return;
+    }
+    const double size = size_of(open.part.box);
+    const auto others = those_near(open.part, std::move(open.others), open.reach, size);
+    if (others.empty()) return;
+    const bool has_much = parts_ + partners_.size() > kMaxParts || pairs_ > kMaxPairs;
+    if (size <= kFine * open.reach || has_much) {
+      note(open.part, others, open.slant, rate);
+      return;
+    }
+    for (const Part& half : halved_.halves(open.part)) add(half, others);
+  }
+
   /// Of the parts, halved to about the size, those that face the other way within reach above or below.
   std::vector<std::uint32_t> those_near(const Part& part, std::vector<std::uint32_t> open, double reach, double size) {
     std::vector<std::uint32_t> out;
@@ -269,9 +302,11 @@ class Look {
   const Halved& halved_;
   LayerHalf half_;
   Partners& partners_;
+  const SlantProfile& known_;
   SlantProfile seen_;  ///< what is known, and what was found
   const LayerReach& reach_;
   const WedgeRule& rule_;
+  std::priority_queue<Open> open_;
   std::size_t parts_ = 0;
   std::size_t pairs_ = 0;
   std::map<std::pair<long long, long long>, ThinPlace> beyond_;
@@ -401,8 +436,9 @@ ThinParts ThinSearch::of_face(std::size_t face, const SlantProfile& known, const
     Look look(halved, half, partners, known, reach, rule);
     for (std::uint32_t p = 0; p < patches.size(); ++p) {
       const auto part = part_of(*faces_[face], static_cast<std::uint32_t>(face), p, patches[p].u, patches[p].v);
-      if (part) look.at(*part, partners.add_all(patches_near(part->box)));
+      if (part) look.add(*part, partners.add_all(patches_near(part->box)));
     }
+    look.run();
     look.take(out);
   }
   return out;
@@ -418,7 +454,8 @@ ThinParts ThinSearch::of_line(const RidgeLine& line, const SlantProfile& known, 
   ThinParts out;
   for (const LayerHalf half : {LayerHalf::upper, LayerHalf::lower}) {
     Look look(halved, half, partners, known, reach, rule);
-    look.at(*part, partners.add_all(patches_near(part->box)));
+    look.add(*part, partners.add_all(patches_near(part->box)));
+    look.run();
     look.take(out);
   }
   return out;

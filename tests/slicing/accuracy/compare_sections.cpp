@@ -43,7 +43,8 @@ SectionComparison compare_sections(const std::filesystem::path& file, int per_so
     for (std::size_t k = 0; k < heights.size(); ++k) {
       const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
       if (taken.count() > seconds) return out;
-      const OcctSection theirs = occt_section(solids[static_cast<std::size_t>(partner[id.value()])], heights[k]);
+      const double gap = std::max(1e-4, 4.0 * scene.solids[id].info.max_tolerance);
+      const OcctSection theirs = occt_section(solids[static_cast<std::size_t>(partner[id.value()])], heights[k], gap);
       out.sections.push_back({id.value(), heights[k], areas[k], theirs.area, theirs.length, theirs.is_whole});
     }
   }

@@ -12,6 +12,7 @@
 #include <TopoDS.hxx>
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
+#include <algorithm>
 #include <cmath>
 #include <gp_Pln.hxx>
 #include <optional>
@@ -23,8 +24,6 @@ namespace lamella::test {
 
 namespace {
 
-/// mm: ends of edges within this are one place.
-constexpr double kSamePlace = 1e-4;
 /// Polygons of edges are refined until areas change by no more than this times the length, mm.
 constexpr double kOffset = 1e-9;
 constexpr int kSides = 50;
@@ -151,32 +150,32 @@ std::optional<EdgePart> measure(const TopoDS_Edge& edge, const TopoDS_Face& face
   return out;
 }
 
-/// Whether as many edges begin as end at every place.
-bool closes(const std::vector<EdgePart>& parts) {
+/// Ends of edges that lie within a gap of one another are joined by straight lines to the first of them; whether as
+/// many edges begin as end at every such place.
+bool join_ends(std::vector<EdgePart>& parts, double gap) {
   struct Place {
     Vec2 at;
     int balance = 0;
   };
   std::vector<Place> places;
-  const auto count = [&](const Vec2& at, int sign) {
+  const auto place_of = [&](const Vec2& at, int sign) -> Vec2 {
+    Place* nearest = nullptr;
     for (Place& place : places) {
-      if ((place.at - at).norm() > kSamePlace) continue;
-      place.balance += sign;
-      return;
+      const double distance = (place.at - at).norm();
+      if (distance <= gap && (nearest == nullptr || distance < (nearest->at - at).norm())) nearest = &place;
     }
-    places.push_back({at, sign});
+    if (nearest == nullptr) nearest = &places.emplace_back(Place{at, 0});
+    nearest->balance += sign;
+    return nearest->at;
   };
-  for (const EdgePart& part : parts) {
-    count(part.first, 1);
-    count(part.last, -1);
+  const auto line = [](const Vec2& a, const Vec2& b) { return 0.5 * (a.x() * b.y() - a.y() * b.x()); };
+  for (EdgePart& part : parts) {
+    part.area += line(place_of(part.first, 1), part.first) + line(part.last, place_of(part.last, -1));
   }
-  for (const Place& place : places) {
-    if (place.balance != 0) return false;
-  }
-  return true;
+  return std::all_of(places.begin(), places.end(), [](const Place& place) { return place.balance == 0; });
 }
 
-OcctSection section_of(const TopoDS_Shape& solid, double z) {
+OcctSection section_of(const TopoDS_Shape& solid, double z, double gap) {
   TopTools_IndexedMapOfShape faces;
   TopExp::MapShapes(solid, TopAbs_FACE, faces);
   BRepAlgoAPI_Section section(solid, gp_Pln(gp_Pnt(0.0, 0.0, z), gp_Dir(0.0, 0.0, 1.0)), false);
@@ -196,19 +195,19 @@ OcctSection section_of(const TopoDS_Shape& solid, double z) {
     if (!part) return out;
     parts.push_back(*part);
   }
+  out.is_whole = join_ends(parts, gap);
   for (const EdgePart& part : parts) {
     out.area += part.area;
     out.length += part.length;
   }
-  out.is_whole = closes(parts);
   return out;
 }
 
 }  // namespace
 
-OcctSection occt_section(const TopoDS_Shape& solid, double z) {
+OcctSection occt_section(const TopoDS_Shape& solid, double z, double gap) {
   try {
-    return section_of(solid, z);
+    return section_of(solid, z, gap);
   } catch (const Standard_Failure&) {
     return {};
   }

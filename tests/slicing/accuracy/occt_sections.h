@@ -13,7 +13,8 @@ struct OcctSection {
 
 /// The section of a solid at a height. BRepAlgoAPI_Section finds its edges and of what faces they are. Points along
 /// each are moved into both plane and surface by Newton's method; the border's integral of (x dy - y dx) / 2 is
-/// extrapolated from polygons of ever more sides. The face's outward normal tells the edge's sense.
-[[nodiscard]] OcctSection occt_section(const TopoDS_Shape& solid, double z);
+/// extrapolated from polygons of ever more sides. The face's outward normal tells the edge's sense. Ends of edges
+/// within `gap` mm are joined by straight lines.
+[[nodiscard]] OcctSection occt_section(const TopoDS_Shape& solid, double z, double gap = 1e-4);
 
 }  // namespace lamella::test
