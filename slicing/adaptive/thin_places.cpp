@@ -213,9 +213,7 @@ class Look {
     double reach = 0.0;
     std::vector<std::uint32_t> others;
 
-    bool operator<(const Open& other) const {
-      return slant != other.slant ? slant < other.slant : order > other.order;
-    }
+    bool operator<(const Open& other) const { return slant != other.slant ? slant < other.slant : order > other.order; }
   };
 
   void look_at(Open& open) {
