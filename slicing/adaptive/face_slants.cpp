@@ -89,6 +89,24 @@ Box2 padded(Box2 box) {
   return box;
 }
 
+/// Without the patches that are padding only: beyond a knot the surface may have a crease, and another normal, which
+/// isn't the face's.
+RationalForm without_padding(RationalForm form, const Box2& uv) {
+  const auto is_padding = [](RationalForm::Map map, const Interval& own, double lo, double hi) {
+    const double padding = 2.0 * kPadding * (hi - lo + std::max(std::abs(lo), std::abs(hi)));
+    return map == RationalForm::Map::same && own.length() <= padding &&
+           (own.hi <= lo + padding || own.lo >= hi - padding);
+  };
+  std::vector<BezierPatch> kept;
+  for (const BezierPatch& patch : form.patches) {
+    if (is_padding(form.map_u, patch.u, uv.min().x(), uv.max().x())) continue;
+    if (is_padding(form.map_v, patch.v, uv.min().y(), uv.max().y())) continue;
+    kept.push_back(patch);
+  }
+  if (!kept.empty()) form.patches = std::move(kept);
+  return form;
+}
+
 Interval clipped(const Interval& z, const Interval& to) {
   return {std::clamp(z.lo, to.lo, to.hi), std::clamp(z.hi, to.lo, to.hi)};
 }
@@ -96,7 +114,9 @@ Interval clipped(const Interval& z, const Interval& to) {
 }  // namespace
 
 FaceSlants::FaceSlants(const Scene& scene, FaceId face)
-    : face_(scene.faces[face]), region_(scene, face), form_(rational_form(face_.surface, padded(face_.uv_bounds))) {
+    : face_(scene.faces[face]),
+      region_(scene, face),
+      form_(without_padding(rational_form(face_.surface, padded(face_.uv_bounds)), face_.uv_bounds)) {
   nets_.reserve(form_.patches.size());
   for (const BezierPatch& patch : form_.patches) nets_.push_back(normal_net(patch));
   box_ = face_bounds(scene, face).box;
@@ -115,10 +135,20 @@ Vec3 FaceSlants::normal_at(const Vec2& uv) const {
 Vec3 FaceSlants::normal_beside(const Vec2& uv) const { return normal_at(uv + 1e-3 * (face_.uv_bounds.center() - uv)); }
 
 NormalCone FaceSlants::normals(const Box2& uv) const {
-  const Vec2 lo = form_.from_surface(uv.min());
-  const Vec2 hi = form_.from_surface(uv.max());
+  if (nets_.empty()) return {};
+  const Vec2 from = form_.from_surface(uv.min());
+  const Vec2 to = form_.from_surface(uv.max());
   std::vector<Vec3> vectors;
   double rounding = 0.0;
+  Interval u = nets_.front().u;
+  Interval v = nets_.front().v;
+  for (const NormalNet& net : nets_) {
+    u = {std::min(u.lo, net.u.lo), std::max(u.hi, net.u.hi)};
+    v = {std::min(v.lo, net.v.lo), std::max(v.hi, net.v.hi)};
+  }
+  // Parameters of edges are rounded, and may lie a little beyond the surface.
+  const Vec2 lo(std::clamp(from.x(), u.lo, u.hi), std::clamp(from.y(), v.lo, v.hi));
+  const Vec2 hi(std::clamp(to.x(), u.lo, u.hi), std::clamp(to.y(), v.lo, v.hi));
   for (const NormalNet& net : nets_) {
     if (net.u.hi < lo.x() || net.u.lo > hi.x() || net.v.hi < lo.y() || net.v.lo > hi.y()) continue;
     const NormalNet part = restrict_to(net, {lo.x(), hi.x()}, {lo.y(), hi.y()});

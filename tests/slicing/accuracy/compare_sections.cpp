@@ -28,6 +28,7 @@ SectionComparison compare_sections(const std::filesystem::path& file, int per_so
   for (const SolidId id : scene.solids.ids()) {
     if (!scene.solids[id].info.closed) continue;
     ++out.solids;
+    out.tolerance = std::max(out.tolerance, scene.solids[id].info.max_tolerance);
     if (partner[id.value()] < 0) {
       ++out.unmatched;
       continue;

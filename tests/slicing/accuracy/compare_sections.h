@@ -21,6 +21,7 @@ struct ComparedSection {
 struct SectionComparison {
   std::size_t solids = 0;     ///< closed ones
   std::size_t unmatched = 0;  ///< those that OpenCASCADE reads otherwise
+  double tolerance = 0.0;     ///< mm, the largest that the file states of its edges and vertices
   std::vector<ComparedSection> sections;
 };
 

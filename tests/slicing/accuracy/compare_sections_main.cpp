@@ -1,7 +1,8 @@
 /// Areas of sections against OpenCASCADE's, run by hand: `compare_sections SECTIONS_PER_SOLID SECONDS [--list] FILE...`
-/// prints a row of docs/accuracy.md for each file: sections compared, those where OpenCASCADE's edges don't close, the
-/// median and the largest relative difference, the largest difference over the border's length (mm), and those that
-/// differ by more than the file's or the arcs' tolerance may explain. --list adds each section that is off by more.
+/// prints a row of docs/accuracy.md for each file: closed solids, those that OpenCASCADE reads otherwise, sections,
+/// those where its edges don't close, the median and the largest relative difference, the largest difference over the
+/// border's length and the file's tolerance (mm). --list adds the sections that don't close or differ by more than a
+/// millionth.
 
 #include <algorithm>
 #include <cstdio>
@@ -42,9 +43,9 @@ void print(const std::filesystem::path& file, const lamella::test::SectionCompar
                   section.occt, section.length);
     }
   }
-  std::printf("| `%s` | %zu | %zu | %zu | %zu | %.1e | %.1e | %.1e |\n", file.stem().c_str(), found.solids,
+  std::printf("| `%s` | %zu | %zu | %zu | %zu | %.1e | %.1e | %.1e | %.1e |\n", file.stem().c_str(), found.solids,
               found.unmatched, found.sections.size(), open, median(relative),
-              relative.empty() ? 0.0 : *std::max_element(relative.begin(), relative.end()), offset);
+              relative.empty() ? 0.0 : *std::max_element(relative.begin(), relative.end()), offset, found.tolerance);
   std::fflush(stdout);
 }
 
