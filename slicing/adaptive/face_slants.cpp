@@ -19,6 +19,7 @@ constexpr std::size_t kMaxCells = 50000;
 constexpr int kMaxDepth = 40;
 /// Of the face's height: parts at its border are no higher than the larger of this and what is asked for.
 constexpr double kBorderPart = 1.0 / 512.0;
+constexpr std::size_t kMaxSlantNet = 200;  // vectors
 /// mm. Slants that tilt a layer of a metre by less are none.
 constexpr double kNoSlant = 1e-9;
 /// Of a parameter's size: parameters are padded by it, as rounding of pcurves may lead out of the face's bounds.
@@ -167,13 +168,18 @@ NormalCone FaceSlants::normals_of(std::size_t patch, const Interval& u, const In
 }
 
 double FaceSlants::largest_slant_of(std::size_t patch, const Interval& u, const Interval& v) const {
-  return slant_range(slant_net(restrict_to(nets_[patch], u, v))).bound;
+  const NormalNet part = restrict_to(nets_[patch], u, v);
+  // The work grows with the square of the net: of large ones the cone has to do, which is as good where parts are
+  // small.
+  if (part.net.size() > kMaxSlantNet) return largest_slant(cone_of(part));
+  return slant_range(slant_net(part)).bound;
 }
 
 LookRange FaceSlants::looks_of(std::size_t patch, const Interval& u, const Interval& v) const {
   const NormalNet part = restrict_to(nets_[patch], u, v);
   const double sense = face_.same_sense ? 1.0 : -1.0;
   LookRange out;
+  out.slant = largest_slant(cone_of(part));
   for (const Vec3& d : part.net) {
     out.up |= sense * d.z() > part.rounding;
     out.down |= sense * d.z() < -part.rounding;

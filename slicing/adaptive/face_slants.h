@@ -10,10 +10,11 @@
 
 namespace lamella {
 
-/// Which way a part of a face may look; neither where it is upright.
+/// Which way a part of a face may look, neither where it is upright, and a coarse bound of its slant.
 struct LookRange {
   bool up = false;
   bool down = false;
+  double slant = 1.0;
 };
 
 /// The normals of one trimmed face. Queries are safe from several threads at once.

@@ -16,7 +16,8 @@ namespace {
 
 constexpr double kTouch = 1e-9;        // mm
 constexpr double kLevelHeight = 1e-6;  // mm: what is no higher is level
-/// Parts are looked at until they are no larger than this share of what middles of layers may be apart.
+/// Parts are looked at until they are no larger than this share of what middles
+/// of layers may be apart.
 constexpr double kFine = 0.25;
 /// Of one face or line: beyond, parts stay coarse.
 constexpr std::size_t kMaxParts = 200000;
@@ -33,11 +34,12 @@ bool overlap_in_plan(const Box3& a, const Box3& b) {
          b.min().y() <= a.max().y();
 }
 
-/// The part of a patch between parameters, or nothing where it lies outside the trimmed face.
+/// The part of a patch between parameters, or nothing where it lies outside the
+/// trimmed face.
 std::optional<Part> part_of(const FaceSlants& face, std::uint32_t index, std::uint32_t patch, const Interval& u,
                             const Interval& v) {
   if (face.is_outside(u, v)) return {};
-  Part part{index, patch, u, v, {}, false, false};
+  Part part{index, patch, u, v, {}, false, false, 1.0};
   part.box = control_box(restrict_to(face.form().patches[patch], u, v));
   // Of rounding, so that what only touches isn't lost.
   const Vec3 touch = Vec3::Constant(kTouch);
@@ -47,10 +49,11 @@ std::optional<Part> part_of(const FaceSlants& face, std::uint32_t index, std::ui
   const LookRange looks = face.looks_of(patch, u, v);
   part.may_look_up = looks.up;
   part.may_look_down = looks.down;
+  part.slant = looks.slant;
   return part;
 }
 
-/// Is the patch's part longer along u?
+/// Is the patch's part longer along u, by its net's polygons?
 bool is_longer_in_u(const FaceSlants& face, const Part& part) {
   const BezierPatch net = restrict_to(face.form().patches[part.patch], part.u, part.v);
   const auto point = [&](int i, int j) -> Vec3 {
@@ -58,9 +61,17 @@ bool is_longer_in_u(const FaceSlants& face, const Part& part) {
     return p.head<3>() / p[3];
   };
   double in_u = 0.0;
+  for (int j = 0; j <= net.degree_v; ++j) {
+    double length = 0.0;
+    for (int i = 1; i <= net.degree_u; ++i) length += (point(i, j) - point(i - 1, j)).norm();
+    in_u = std::max(in_u, length);
+  }
   double in_v = 0.0;
-  for (int j = 0; j <= net.degree_v; ++j) in_u = std::max(in_u, (point(net.degree_u, j) - point(0, j)).norm());
-  for (int i = 0; i <= net.degree_u; ++i) in_v = std::max(in_v, (point(i, net.degree_v) - point(i, 0)).norm());
+  for (int i = 0; i <= net.degree_u; ++i) {
+    double length = 0.0;
+    for (int j = 1; j <= net.degree_v; ++j) length += (point(i, j) - point(i, j - 1)).norm();
+    in_v = std::max(in_v, length);
+  }
   return in_u >= in_v;
 }
 
@@ -79,15 +90,21 @@ std::vector<Part> halves_of(const FaceSlants& face, const Part& part) {
 /// What may lie above or below, halved as far as it is looked at.
 class Partners {
  public:
-  explicit Partners(const std::vector<const FaceSlants*>& faces) : faces_(faces) {}
+  Partners(const std::vector<const FaceSlants*>& faces, const std::vector<Part>& patches)
+      : faces_(faces), patches_(patches) {}
 
   std::uint32_t add(const Part& part) {
     nodes_.push_back({part, {}, false});
     return static_cast<std::uint32_t>(nodes_.size() - 1);
   }
-  std::vector<std::uint32_t> add_all(const std::vector<Part>& parts) {
+  /// Whole patches, each entered once.
+  std::vector<std::uint32_t> add_all(const std::vector<std::size_t>& patches) {
     std::vector<std::uint32_t> out;
-    for (const Part& part : parts) out.push_back(add(part));
+    for (const std::size_t patch : patches) {
+      const auto [known, is_new] = entered_.try_emplace(patch, 0);
+      if (is_new) known->second = add(patches_[patch]);
+      out.push_back(known->second);
+    }
     return out;
   }
   [[nodiscard]] const Part& part(std::uint32_t node) const { return nodes_[node].part; }
@@ -111,6 +128,8 @@ class Partners {
   };
 
   const std::vector<const FaceSlants*>& faces_;
+  const std::vector<Part>& patches_;
+  std::map<std::size_t, std::uint32_t> entered_;
   std::vector<Node> nodes_;
 };
 
@@ -120,6 +139,8 @@ class Halved {
   virtual ~Halved() = default;
   [[nodiscard]] virtual bool is_line() const { return false; }
   [[nodiscard]] virtual std::vector<Part> halves(const Part& part) const = 0;
+  /// A bound of the slant over a part that costs little.
+  [[nodiscard]] virtual double coarse_slant(const Part& part) const { return slant(part); }
   /// Bound of the slant over a part.
   [[nodiscard]] virtual double slant(const Part& part) const = 0;
 };
@@ -128,8 +149,9 @@ class HalvedFace : public Halved {
  public:
   explicit HalvedFace(const FaceSlants& face) : face_(face) {}
   [[nodiscard]] std::vector<Part> halves(const Part& part) const override { return halves_of(face_, part); }
+  [[nodiscard]] double coarse_slant(const Part& part) const override { return part.slant; }
   [[nodiscard]] double slant(const Part& part) const override {
-    return face_.largest_slant_of(part.patch, part.u, part.v);
+    return std::min(part.slant, face_.largest_slant_of(part.patch, part.u, part.v));
   }
 
  private:
@@ -142,7 +164,8 @@ class HalvedLine : public Halved {
 
   [[nodiscard]] bool is_line() const override { return true; }
 
-  /// Nothing where its sides certainly look up and down, or where there is no line.
+  /// Nothing where its sides certainly look up and down, or where there is no
+  /// line.
   [[nodiscard]] std::optional<Part> part(const Interval& share) const {
     if (line_.is_outside && line_.is_outside(share)) return {};
     Part part;
@@ -187,10 +210,11 @@ class Look {
     if (!(reach > 0.0)) return;
     std::erase_if(others, [&](std::uint32_t other) { return !meets(part, partners_.part(other), reach); });
     if (others.empty()) return;
-    open_.push({halved_.slant(part), parts_++, part, reach, std::move(others)});
+    open_.push({halved_.coarse_slant(part), parts_++, part, reach, std::move(others)});
   }
 
-  /// The most slanted parts first: others at the same heights then tell nothing.
+  /// The most slanted parts first: others at the same heights then tell
+  /// nothing.
   void run() {
     while (!open_.empty()) {
       Open next = open_.top();
@@ -218,8 +242,11 @@ class Look {
 
   void look_at(Open& open) {
     const Interval z = heights_of(open.part.box);
+    const double known = seen_.least_rate(z, half_);
+    if (receding_rate(open.slant) <= known) return;
+    open.slant = halved_.slant(open.part);
     const double rate = receding_rate(open.slant);
-    if (rate <= seen_.least_rate(z, half_)) return;
+    if (rate <= known) return;
     // What is hardly more than is known isn't worth a closer look.
     if (receding_rate(open.slant - kSlantAccuracy) <= known_.least_rate(z, half_)) {
       note(open.part, open.others, open.slant, rate);
@@ -236,7 +263,8 @@ class Look {
     for (const Part& half : halved_.halves(open.part)) add(half, others);
   }
 
-  /// Of the parts, halved to about the size, those that face the other way within reach above or below.
+  /// Of the parts, halved to about the size, those that face the other way
+  /// within reach above or below.
   std::vector<std::uint32_t> those_near(const Part& part, std::vector<std::uint32_t> open, double reach, double size) {
     std::vector<std::uint32_t> out;
     while (!open.empty()) {
@@ -311,8 +339,9 @@ class Look {
   std::vector<Slant> found_;
 };
 
-/// Bound in mm of what layers lose of a place, between the middles of two layers and about the border between them: it
-/// recedes to the middle of its own layer. In the other one what faces it is nearer to the middle.
+/// Bound in mm of what layers lose of a place, between the middles of two
+/// layers and about the border between them: it recedes to the middle of its
+/// own layer. In the other one what faces it is nearer to the middle.
 double loss_between(const ThinPlace& place, double lo, double border, double hi) {
   const bool is_upper = place.half == LayerHalf::upper;
   if (!std::isfinite(is_upper ? lo : hi)) return 0.0;  // no layer there
@@ -321,7 +350,8 @@ double loss_between(const ThinPlace& place, double lo, double border, double hi)
   return height > 0.0 ? height * place.rate : 0.0;
 }
 
-/// The largest over all pairs of layers between whose middles both the place and what faces it may lie.
+/// The largest over all pairs of layers between whose middles both the place
+/// and what faces it may lie.
 double loss_of(const ThinPlace& place, const std::vector<double>& borders, const std::vector<double>& middles) {
   constexpr double kNowhere = std::numeric_limits<double>::infinity();
   double most = 0.0;
@@ -413,12 +443,12 @@ ThinSearch::ThinSearch(std::vector<const FaceSlants*> faces) : faces_(std::move(
 }
 
 /// Those that the box overlaps in plan.
-std::vector<Part> ThinSearch::patches_near(const Box3& box) const {
+std::vector<std::size_t> ThinSearch::patches_near(const Box3& box) const {
   const auto before = [](const Part& patch, double x) { return patch.box.min().x() < x; };
   auto at = std::lower_bound(patches_.begin(), patches_.end(), box.min().x() - widest_, before);
-  std::vector<Part> out;
+  std::vector<std::size_t> out;
   for (; at != patches_.end() && at->box.min().x() <= box.max().x(); ++at) {
-    if (overlap_in_plan(at->box, box)) out.push_back(*at);
+    if (overlap_in_plan(at->box, box)) out.push_back(static_cast<std::size_t>(at - patches_.begin()));
   }
   return out;
 }
@@ -427,7 +457,7 @@ ThinParts ThinSearch::of_face(std::size_t face, const SlantProfile& known, const
                               const WedgeRule& rule) const {
   if (!(reach.largest() > 0.0)) return {};
   const HalvedFace halved(*faces_[face]);
-  Partners partners(faces_);
+  Partners partners(faces_, patches_);
   ThinParts out;
   const std::vector<BezierPatch>& patches = faces_[face]->form().patches;
   for (const LayerHalf half : {LayerHalf::upper, LayerHalf::lower}) {
@@ -448,7 +478,7 @@ ThinParts ThinSearch::of_line(const RidgeLine& line, const SlantProfile& known, 
   const HalvedLine halved(line);
   const auto part = halved.part({0.0, 1.0});
   if (!part) return {};
-  Partners partners(faces_);
+  Partners partners(faces_, patches_);
   ThinParts out;
   for (const LayerHalf half : {LayerHalf::upper, LayerHalf::lower}) {
     Look look(halved, half, partners, known, reach, rule);

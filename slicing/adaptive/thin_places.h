@@ -80,10 +80,11 @@ class ThinSearch {
     Box3 box;  ///< mm
     bool may_look_up = false;
     bool may_look_down = false;
+    double slant = 1.0;  ///< a coarse bound
   };
 
  private:
-  [[nodiscard]] std::vector<Part> patches_near(const Box3& box) const;
+  [[nodiscard]] std::vector<std::size_t> patches_near(const Box3& box) const;
 
   std::vector<const FaceSlants*> faces_;
   std::vector<Part> patches_;  ///< of all faces, by the least x of their boxes
