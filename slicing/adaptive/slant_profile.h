@@ -32,7 +32,7 @@ class SlantProfile {
   /// Takes a part into account; what lies beyond the bins is left out.
   void add(const Slant& part);
   /// The same where the surface is thin, and recedes by `part.slant` mm per mm, which may be more than 1, in one of the
-  /// halves (docs/methods/adaptive-layers.md, eq. 4).
+  /// halves (docs/methods/adaptive-layers.md, "What layers lose").
   void add_thin(const Slant& part, LayerHalf half);
   /// Must be called after the last add() and before layer_deviation().
   void finish();

@@ -49,8 +49,7 @@ TEST_P(AdaptiveDeviation, StaysWithinTheToleranceByOpenCascade) {
   EXPECT_GT(found.surface_samples, 0U);
   EXPECT_GT(found.built, 0.0);
   EXPECT_LE(found.built, planned.tolerance) << found.built_at.transpose();
-  // The other way round there is no proof where a solid is thinner than a layer (docs/methods/adaptive-layers.md); none
-  // of these is.
+  // The other way round too: none of these has thin places that no layer keeps.
   EXPECT_LE(found.surface, planned.tolerance) << found.surface_at.transpose();
   RecordProperty("built", std::to_string(found.built / planned.tolerance));
   RecordProperty("surface", std::to_string(found.surface / planned.tolerance));

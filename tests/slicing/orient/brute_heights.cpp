@@ -119,25 +119,33 @@ class FacePiece : public Piece {
 
   [[nodiscard]] double climb(Eigen::Index i, const Vector3d& up) const override {
     gp_Pnt2d at = parameters_[i];
-    for (int k = 0; k < 30; ++k) {
+    for (int k = 0; k < 40; ++k) {
       gp_Pnt p;
       gp_Vec u, v, uu, vv, uv;
       surface_->D2(at.X(), at.Y(), p, u, v, uu, vv, uv);
-      const double a = EdgePiece::along(uu, up);
+      double a = EdgePiece::along(uu, up);
       const double b = EdgePiece::along(uv, up);
-      const double c = EdgePiece::along(vv, up);
+      double c = EdgePiece::along(vv, up);
+      // No hill, or one that is flat one way: bent down until it is.
+      const double bend =
+          (std::abs(a) + std::abs(b)) / u.SquareMagnitude() + (std::abs(c) + std::abs(b)) / v.SquareMagnitude();
+      for (double more = 1e-6 * bend; !(a < 0.0 && a * c - b * b > 1e-9 * a * c) && more > 0.0 && std::isfinite(more);
+           more *= 10.0) {
+        a -= more * u.SquareMagnitude();
+        c -= more * v.SquareMagnitude();
+      }
       const double det = a * c - b * b;
-      if (!(a < 0.0 && det > 0.0)) break;  // no hill
+      if (!(a < 0.0 && det > 0.0)) break;
       const double gu = EdgePiece::along(u, up);
       const double gv = EdgePiece::along(v, up);
       const double du = -(c * gu - b * gv) / det;
       const double dv = -(a * gv - b * gu) / det;
       at.SetCoord(at.X() + du, at.Y() + dv);
       if (std::abs(du) + std::abs(dv) > 1e-13 * (1.0 + std::abs(at.X()) + std::abs(at.Y()))) continue;
-      if (region_->Perform(at) == TopAbs_OUT) break;
-      return std::max(points.row(i).dot(up), vector_of(surface_->Value(at.X(), at.Y())).dot(up));
+      break;
     }
-    return points.row(i).dot(up);
+    if (region_->Perform(at) == TopAbs_OUT) return points.row(i).dot(up);
+    return std::max(points.row(i).dot(up), vector_of(surface_->Value(at.X(), at.Y())).dot(up));
   }
 
  private:
@@ -301,17 +309,26 @@ class ExactHeight {
   double operator()(const Vector3d& up) const { return reach(upper_, up) + reach(lower_, -up); }
 
  private:
+  /// Climbs from several points of each piece: at a seam the first may be on its wrong side.
   static double reach(const std::vector<const Piece*>& pieces, const Vector3d& up) {
-    std::vector<Eigen::Index> first(pieces.size());
-    std::vector<double> own(pieces.size());
+    constexpr std::size_t kStarts = 8;
+    std::vector<Eigen::VectorXd> along;
     double far = -1e300;
-    for (std::size_t k = 0; k < pieces.size(); ++k) {
-      own[k] = (pieces[k]->points * up).maxCoeff(&first[k]);
-      far = std::max(far, own[k]);
+    for (const Piece* piece : pieces) {
+      along.push_back(piece->points * up);
+      far = std::max(far, along.back().maxCoeff());
     }
     double exact = far;
     for (std::size_t k = 0; k < pieces.size(); ++k) {
-      if (own[k] + pieces[k]->slack >= far) exact = std::max(exact, pieces[k]->climb(first[k], up));
+      std::vector<Eigen::Index> starts;
+      for (Eigen::Index i = 0; i < along[k].size(); ++i) {
+        if (along[k][i] + pieces[k]->slack >= far) starts.push_back(i);
+      }
+      const std::size_t count = std::min(kStarts, starts.size());
+      const auto middle = starts.begin() + static_cast<std::ptrdiff_t>(count);
+      std::partial_sort(starts.begin(), middle, starts.end(),
+                        [&](Eigen::Index a, Eigen::Index b) { return along[k][a] > along[k][b]; });
+      for (std::size_t i = 0; i < count; ++i) exact = std::max(exact, pieces[k]->climb(starts[i], up));
     }
     return exact;
   }
