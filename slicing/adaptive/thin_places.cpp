@@ -202,7 +202,7 @@ class Look {
  public:
   Look(const Halved& halved, LayerHalf half, Partners& partners, const SlantProfile& known, const LayerReach& reach,
        const WedgeRule& rule)
-      : halved_(halved), half_(half), partners_(partners), known_(known), seen_(known), reach_(reach), rule_(rule) {}
+      : halved_(halved), half_(half), partners_(partners), known_(known), reach_(reach), rule_(rule) {}
 
   /// Enters a part, to be looked at by run(), with what may lie above or below.
   void add(const Part& part, std::vector<std::uint32_t> others) {
@@ -242,7 +242,7 @@ class Look {
 
   void look_at(Open& open) {
     const Interval z = heights_of(open.part.box);
-    const double known = seen_.least_rate(z, half_);
+    const double known = (seen_ ? *seen_ : known_).least_rate(z, half_);
     if (receding_rate(open.slant) <= known) return;
     open.slant = halved_.slant(open.part);
     const double rate = receding_rate(open.slant);
@@ -300,7 +300,8 @@ class Look {
     if (slant >= kLevel) return;
     const Slant found{z, std::min(rate, rule_.steepest)};
     found_.push_back(found);
-    seen_.add_thin(found, half_);
+    if (!seen_) seen_ = known_;
+    seen_->add_thin(found, half_);
   }
 
   static constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -311,7 +312,7 @@ class Look {
     const Interval facing = heights_of(partners_.part(other).box);
     // A level one that faces a sloping one is lost where that is.
     if (rate == kNever && facing.length() > kLevelHeight) return;
-    const auto bin = [&](double height) { return std::llround((height - seen_.bottom()) / seen_.width()); };
+    const auto bin = [&](double height) { return std::llround((height - known_.bottom()) / known_.width()); };
     const ThinPlace place{half_, z, facing, rate, part.box.center(), {}};
     const auto [known, is_new] = beyond_.try_emplace({bin(z.middle()), bin(facing.middle())}, place);
     if (!is_new) join(known->second, place);
@@ -329,7 +330,7 @@ class Look {
   LayerHalf half_;
   Partners& partners_;
   const SlantProfile& known_;
-  SlantProfile seen_;  ///< what is known, and what was found
+  std::optional<SlantProfile> seen_;  ///< what is known, and what was found, if anything
   const LayerReach& reach_;
   const WedgeRule& rule_;
   std::priority_queue<Open> open_;
