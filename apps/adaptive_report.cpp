@@ -61,6 +61,21 @@ Json features_json(const AdaptivePlan& plan, const Assembly& assembly) {
   return out;
 }
 
+/// A place's deviation, or null where it is level and may be lost as a whole.
+Json thin_json(const AdaptivePlan& plan, const Assembly& assembly) {
+  Json out = Json::array();
+  for (const ThinLoss& loss : plan.thin) {
+    const Vec3& at = loss.place.at;
+    const SolidId solid = assembly.scene.solid_of(loss.place.face);
+    out.push_back({{"solid", solid.value()},
+                   {"path", assembly.scene.solids[solid].info.path},
+                   {"face", assembly.scene.faces[loss.place.face].step_entity},
+                   {"at", {at.x(), at.y(), at.z()}},
+                   {"deviation", std::isfinite(loss.deviation) ? Json(loss.deviation) : Json(nullptr)}});
+  }
+  return out;
+}
+
 Json limits_json(const AdaptivePlan& plan, const Assembly& assembly) {
   Json out = Json::array();
   for (const MaterialId id : plan.materials.ids()) {
@@ -96,6 +111,7 @@ Json adaptive_json(const AdaptivePlan& plan, const Assembly& assembly, double de
           {"uniform_thickness", value_or_null(plan.uniform_thickness)},
           {"materials", limits_json(plan, assembly)},
           {"sharp_edges", plan.sharp_edges},
+          {"thin_faces", thin_json(plan, assembly)},
           {"missed", plan.missed},
           {"features", features_json(plan, assembly)},
           {"thicknesses", runs_json(plan)}};
@@ -126,6 +142,14 @@ std::string adaptive_text(const AdaptivePlan& plan, const Assembly& assembly, do
                   plan.features.size() - plan.missed, short_mm(0.5 * plan.quantum), plan.missed);
   if (plan.sharp_edges > 0) {
     out += fmt::format("edges too sharp for any layers here, whose tips are cut off by more: {}\n", plan.sharp_edges);
+  }
+  if (!plan.thin.empty()) {
+    const auto less = [](const ThinLoss& a, const ThinLoss& b) { return a.deviation < b.deviation; };
+    const ThinLoss& worst = *std::max_element(plan.thin.begin(), plan.thin.end(), less);
+    const Vec3& at = worst.place.at;
+    out += fmt::format(
+        "faces with thin, flat places that these layers may lose: {}, the worst at {:.6g} {:.6g} {:.6g} mm\n",
+        plan.thin.size(), at.x(), at.y(), at.z());
   }
   TextTable table(
       {{"material"}, {"deviates [mm]", true}, {"may [mm]", true}, {"layers from [mm]", true}, {"to", true}});

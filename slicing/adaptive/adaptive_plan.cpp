@@ -141,6 +141,28 @@ std::vector<MetFeature> met_features(const ModelSlants& slants, const LayerChoic
   return out;
 }
 
+/// Of each material by what it allows.
+std::vector<ThinLoss> lost_places(const Scene& scene, const MaterialTable& table, const LayerRules& rules,
+                                  const ModelSlants& slants, const std::vector<LayerSpan>& layers) {
+  std::vector<double> borders{layers.front().z_bottom};
+  std::vector<double> middles;
+  for (const LayerSpan& layer : layers) {
+    borders.push_back(layer.z_top);
+    middles.push_back(layer.z_sample);
+  }
+  IdVector<MaterialId, std::vector<ThinPlace>> places(rules.materials.size());
+  for (const ThinPlace& place : slants.thin) {
+    places[table.assignments[scene.solid_of(place.face)].material].push_back(place);
+  }
+  std::vector<ThinLoss> out;
+  for (const MaterialId id : rules.materials.ids()) {
+    const auto lost = lamella::lost_places(places[id], borders, middles, rules.materials[id].deviation);
+    out.insert(out.end(), lost.begin(), lost.end());
+  }
+  std::sort(out.begin(), out.end(), [](const ThinLoss& a, const ThinLoss& b) { return a.place.face < b.place.face; });
+  return out;
+}
+
 std::size_t count_missed(const std::vector<MetFeature>& features) {
   return static_cast<std::size_t>(
       std::count_if(features.begin(), features.end(), [](const MetFeature& met) { return !met.is_met; }));
@@ -158,7 +180,7 @@ AdaptivePlan plan_adaptive_layers(const Scene& scene, const MaterialTable& table
   const SlantGrid grid{bottom, 0.5 * rules.quantum, 2 * (count + 1)};
   IdVector<MaterialId, WedgeRule> wedges;
   for (const MaterialLayers& layers : rules.materials) {
-    wedges.push_back({layers.deviation, 2.0 * layers.deviation / layers.thickness().lo});
+    wedges.push_back({layers.deviation, 2.0 * layers.deviation / layers.thickness().lo, layers.thickness().hi});
   }
   const ModelSlants slants = find_slants(scene, table, measures, solids, grid, wedges, progress, threads);
   const LayerCosts costs(table, rules, slants, bottom);
@@ -176,6 +198,7 @@ AdaptivePlan plan_adaptive_layers(const Scene& scene, const MaterialTable& table
   plan.features = met_features(slants, *best.choice, costs, rules.quantum);
   plan.missed = count_missed(plan.features);
   plan.sharp_edges = slants.sharp_edges;
+  plan.thin = lost_places(scene, table, rules, slants, plan.layers);
   if (const auto greedy = choose_greedily(problem).choice) {
     plan.greedy_layers = greedy->layers();
     plan.greedy_missed = count_missed(met_features(slants, *greedy, costs, rules.quantum));

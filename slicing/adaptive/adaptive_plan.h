@@ -37,6 +37,7 @@ struct AdaptivePlan {
   double mean_deviation = 0.0;               ///< mm, over the height
   std::size_t missed = 0;                    ///< features that no border meets
   std::size_t sharp_edges = 0;               ///< of wedges whose tips recede by more than is allowed in whatever layers
+  std::vector<ThinLoss> thin;                ///< of each face that has some the worst thin place that layers may lose
   std::optional<std::size_t> greedy_layers;  ///< of the greedy scheme, if it finds layers
   std::size_t greedy_missed = 0;
   std::optional<std::size_t> uniform_layers;  ///< of the thickest uniform layers with no larger deviation

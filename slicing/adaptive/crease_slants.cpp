@@ -1,8 +1,14 @@
 #include "slicing/adaptive/crease_slants.h"
 
 #include <algorithm>
+#include <cmath>
+#include <memory>
 
+#include "model/bernstein_roots.h"
+#include "model/bezier.h"
 #include "model/curve_extrema.h"
+#include "model/evaluate.h"
+#include "model/rational_form.h"
 #include "slicing/adaptive/flat_features.h"
 
 namespace lamella {
@@ -11,6 +17,8 @@ namespace {
 
 /// The slant where a vertical direction lies between normals is 1 up to the rounding of the place, squared.
 constexpr double kVertical = 1.0 - 1e-7;
+/// Of an edge's range: what is that near to its ends is the vertex's.
+constexpr double kAtEnd = 1e-9;
 /// Radians, about: normals that differ by less don't jump.
 constexpr double kNoJump = 1e-6;
 
@@ -40,6 +48,12 @@ struct Joint {
   bool runs_along_u = false;
 };
 
+/// A line of the surface's parameters: v = at, or u = at.
+struct IsoLine {
+  int axis = 0;
+  double at = 0.0;
+};
+
 /// The creases of one face: its patches tile it, u-major.
 class CreaseFinder {
  public:
@@ -57,6 +71,17 @@ class CreaseFinder {
   }
 
   [[nodiscard]] const std::vector<Joint>& joints() const { return joints_; }
+
+  /// The lines of parameters that joints run along, each once.
+  [[nodiscard]] std::vector<IsoLine> lines() const {
+    std::vector<IsoLine> out;
+    for (const Joint& joint : joints_) {
+      const IsoLine line{joint.runs_along_u ? 1 : 0, across(joint).lo};
+      const auto same = [&](const IsoLine& other) { return other.axis == line.axis && other.at == line.at; };
+      if (std::none_of(out.begin(), out.end(), same)) out.push_back(line);
+    }
+    return out;
+  }
 
   /// Where joints end inside the domain: the patches whose upper corners these are.
   [[nodiscard]] std::vector<std::size_t> crossings() const {
@@ -152,9 +177,70 @@ class CreaseFinder {
   std::vector<Joint> joints_;
 };
 
+/// Where on a conic's piece its point comes nearest to `uv`: its pieces have a parameter of their own.
+double nearest_parameter(const Curve2& pcurve, Interval t, const Vec2& uv) {
+  const auto distance = [&](double at) { return (evaluate<2>(pcurve, at).point - uv).squaredNorm(); };
+  for (int k = 0; k < 100; ++k) {
+    const double third = (t.hi - t.lo) / 3.0;
+    if (distance(t.lo + third) < distance(t.hi - third)) {
+      t.hi -= third;
+    } else {
+      t.lo += third;
+    }
+  }
+  return t.middle();
+}
+
+/// The pcurve's parameters where it crosses or touches the line, between and at the ends of its pieces.
+std::vector<double> crossings(const Curve2& pcurve, const std::vector<BezierCurve2>& pieces, const IsoLine& line) {
+  const bool keeps_parameter =
+      std::holds_alternative<Line<2>>(pcurve) || std::holds_alternative<BSplineCurve<2>>(pcurve);
+  std::vector<double> out;
+  for (const BezierCurve2& piece : pieces) {
+    std::vector<double> net;
+    double scale = 0.0;
+    for (const Vec3& p : piece.net) {
+      net.push_back(p[line.axis] - line.at * p.z());
+      scale = std::max(scale, std::abs(p[line.axis]) + std::abs(line.at * p.z()));
+    }
+    std::vector<double> roots = bernstein_roots(net, scale);
+    if (std::abs(net.back()) <= 1e-12 * scale && std::abs(net.front()) > 1e-12 * scale) roots.push_back(1.0);
+    for (const double root : roots) {
+      const double t = piece.t.lo + root * piece.t.length();
+      out.push_back(keeps_parameter ? t : nearest_parameter(pcurve, piece.t, evaluate_point(piece, t)));
+    }
+  }
+  return out;
+}
+
+/// A crease in space, over [0, 1], and what there is beside it.
+struct Crease {
+  Curve3 curve;
+  RidgeLine ridge;
+};
+
+std::vector<Crease> creases_of(const std::shared_ptr<const CreaseFinder>& finder) {
+  std::vector<Crease> out;
+  for (const Joint& joint : finder->joints()) {
+    Crease crease{finder->line(joint), {}};
+    crease.ridge.box = [curve = crease.curve](const Interval& share) { return exact_bounds(curve, share); };
+    crease.ridge.first = [finder, joint](const Interval& share) { return finder->normals(joint, true, share); };
+    crease.ridge.second = [finder, joint](const Interval& share) { return finder->normals(joint, false, share); };
+    crease.ridge.is_outside = [finder, joint](const Interval& share) { return finder->is_outside(joint, share); };
+    out.push_back(std::move(crease));
+  }
+  return out;
+}
+
+/// None where the surface isn't a spline.
+std::shared_ptr<const CreaseFinder> finder_of(const FaceSlants& face) {
+  const BSplineSurface* spline = spline_of(face.surface());
+  return spline != nullptr ? std::make_shared<const CreaseFinder>(face, *spline) : nullptr;
+}
+
 /// Where the line's height has an extremum, or all along it, and a vertical lies between the normals.
-void add_extrema(const BSplineCurve<3>& line, const RidgeLine& ridge, CreaseSlants& out) {
-  const Curve3 curve = line;
+void add_extrema(const Crease& crease, CreaseSlants& out) {
+  const auto& [curve, ridge] = crease;
   std::vector<double> shares{0.5};
   if (exact_bounds(curve, {0.0, 1.0}).sizes().z() > kSameHeight) {
     shares = critical_parameters(curve, {0.0, 1.0}, Vec3::UnitZ());
@@ -163,7 +249,7 @@ void add_extrema(const BSplineCurve<3>& line, const RidgeLine& ridge, CreaseSlan
     const Interval at{share, share};
     if (ridge.is_outside(at)) continue;
     if (largest_slant_between({ridge.first(at).axis, 0.0}, {ridge.second(at).axis, 0.0}) < kVertical) continue;
-    out.extrema.push_back(ridge.heights(at).middle());
+    out.extrema.push_back(heights_of(ridge.box(at)).middle());
   }
 }
 
@@ -171,33 +257,47 @@ void add_extrema(const BSplineCurve<3>& line, const RidgeLine& ridge, CreaseSlan
 
 CreaseSlants crease_slants(const FaceSlants& face, const SlantProfile& known, const WedgeRule& wedges) {
   CreaseSlants out;
-  const BSplineSurface* spline = spline_of(face.surface());
-  if (spline == nullptr) return out;
-  const CreaseFinder creases(face, *spline);
-  for (const Joint& joint : creases.joints()) {
-    const BSplineCurve<3> line = creases.line(joint);
-    RidgeLine ridge;
-    ridge.heights = [&](const Interval& share) {
-      const Box3 box = exact_bounds(Curve3(line), share);
-      return Interval{box.min().z(), box.max().z()};
-    };
-    ridge.first = [&](const Interval& share) { return creases.normals(joint, true, share); };
-    ridge.second = [&](const Interval& share) { return creases.normals(joint, false, share); };
-    ridge.is_outside = [&](const Interval& share) { return creases.is_outside(joint, share); };
-    const EdgeSlants found = ridge_slants(ridge, known, wedges);
+  const auto finder = finder_of(face);
+  if (!finder) return out;
+  for (const Crease& crease : creases_of(finder)) {
+    const EdgeSlants found = ridge_slants(crease.ridge, known, wedges);
     out.parts.insert(out.parts.end(), found.parts.begin(), found.parts.end());
     if (found.is_too_sharp) ++out.sharp;
-    add_extrema(line, ridge, out);
+    add_extrema(crease, out);
   }
-  for (const std::size_t corner : creases.crossings()) {
+  for (const std::size_t corner : finder->crossings()) {
     const BezierPatch& patch = face.form().patches[corner];
     if (face.is_outside({patch.u.hi, patch.u.hi}, {patch.v.hi, patch.v.hi})) continue;
     const double z = patch.net.back()[2] / patch.net.back()[3];
-    const double slant = largest_slant_among(creases.normals_around(corner));
+    const double slant = largest_slant_among(finder->normals_around(corner));
     out.parts.push_back({{z, z}, slant});
     if (slant >= kVertical) out.extrema.push_back(z);
   }
   return out;
+}
+
+std::vector<RidgeLine> crease_lines(const FaceSlants& face) {
+  std::vector<RidgeLine> out;
+  if (const auto finder = finder_of(face)) {
+    for (Crease& crease : creases_of(finder)) out.push_back(std::move(crease.ridge));
+  }
+  return out;
+}
+
+std::vector<double> crease_crossings(const FaceSlants& face, const Scene& scene, HalfEdgeId half_edge) {
+  std::vector<double> shares;
+  const auto finder = finder_of(face);
+  if (!finder || finder->joints().empty()) return shares;
+  const HalfEdge& half = scene.half_edges[half_edge];
+  const std::vector<BezierCurve2> pieces = rational_pieces(half.pcurve, half.prange);
+  for (const IsoLine& line : finder->lines()) {
+    for (const double t : crossings(half.pcurve, pieces, line)) {
+      shares.push_back((t - half.prange.lo) / (half.prange.hi - half.prange.lo));
+    }
+  }
+  std::erase_if(shares, [](double share) { return !(share > kAtEnd && share < 1.0 - kAtEnd); });
+  std::sort(shares.begin(), shares.end());
+  return shares;
 }
 
 }  // namespace lamella

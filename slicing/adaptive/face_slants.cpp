@@ -19,6 +19,7 @@ constexpr std::size_t kMaxCells = 50000;
 constexpr int kMaxDepth = 40;
 /// Of the face's height: parts at its border are no higher than the larger of this and what is asked for.
 constexpr double kBorderPart = 1.0 / 512.0;
+constexpr std::size_t kMaxSlantNet = 200;  // vectors
 /// mm. Slants that tilt a layer of a metre by less are none.
 constexpr double kNoSlant = 1e-9;
 /// Of a parameter's size: parameters are padded by it, as rounding of pcurves may lead out of the face's bounds.
@@ -89,6 +90,24 @@ Box2 padded(Box2 box) {
   return box;
 }
 
+/// Without the patches that are padding only: beyond a knot the surface may have a crease, and another normal, which
+/// isn't the face's.
+RationalForm without_padding(RationalForm form, const Box2& uv) {
+  const auto is_padding = [](RationalForm::Map map, const Interval& own, double lo, double hi) {
+    const double padding = 2.0 * kPadding * (hi - lo + std::max(std::abs(lo), std::abs(hi)));
+    return map == RationalForm::Map::same && own.length() <= padding &&
+           (own.hi <= lo + padding || own.lo >= hi - padding);
+  };
+  std::vector<BezierPatch> kept;
+  for (const BezierPatch& patch : form.patches) {
+    if (is_padding(form.map_u, patch.u, uv.min().x(), uv.max().x())) continue;
+    if (is_padding(form.map_v, patch.v, uv.min().y(), uv.max().y())) continue;
+    kept.push_back(patch);
+  }
+  if (!kept.empty()) form.patches = std::move(kept);
+  return form;
+}
+
 Interval clipped(const Interval& z, const Interval& to) {
   return {std::clamp(z.lo, to.lo, to.hi), std::clamp(z.hi, to.lo, to.hi)};
 }
@@ -96,11 +115,13 @@ Interval clipped(const Interval& z, const Interval& to) {
 }  // namespace
 
 FaceSlants::FaceSlants(const Scene& scene, FaceId face)
-    : face_(scene.faces[face]), region_(scene, face), form_(rational_form(face_.surface, padded(face_.uv_bounds))) {
+    : face_(scene.faces[face]),
+      region_(scene, face),
+      form_(without_padding(rational_form(face_.surface, padded(face_.uv_bounds)), face_.uv_bounds)) {
   nets_.reserve(form_.patches.size());
   for (const BezierPatch& patch : form_.patches) nets_.push_back(normal_net(patch));
-  const Box3 box = face_bounds(scene, face).box;
-  if (!box.isEmpty()) heights_ = {box.min().z(), box.max().z()};
+  box_ = face_bounds(scene, face).box;
+  if (!box_.isEmpty()) heights_ = heights_of(box_);
 }
 
 Vec3 FaceSlants::normal_at(const Vec2& uv) const {
@@ -115,10 +136,20 @@ Vec3 FaceSlants::normal_at(const Vec2& uv) const {
 Vec3 FaceSlants::normal_beside(const Vec2& uv) const { return normal_at(uv + 1e-3 * (face_.uv_bounds.center() - uv)); }
 
 NormalCone FaceSlants::normals(const Box2& uv) const {
-  const Vec2 lo = form_.from_surface(uv.min());
-  const Vec2 hi = form_.from_surface(uv.max());
+  if (nets_.empty()) return {};
+  const Vec2 from = form_.from_surface(uv.min());
+  const Vec2 to = form_.from_surface(uv.max());
   std::vector<Vec3> vectors;
   double rounding = 0.0;
+  Interval u = nets_.front().u;
+  Interval v = nets_.front().v;
+  for (const NormalNet& net : nets_) {
+    u = {std::min(u.lo, net.u.lo), std::max(u.hi, net.u.hi)};
+    v = {std::min(v.lo, net.v.lo), std::max(v.hi, net.v.hi)};
+  }
+  // Parameters of edges are rounded, and may lie a little beyond the surface.
+  const Vec2 lo(std::clamp(from.x(), u.lo, u.hi), std::clamp(from.y(), v.lo, v.hi));
+  const Vec2 hi(std::clamp(to.x(), u.lo, u.hi), std::clamp(to.y(), v.lo, v.hi));
   for (const NormalNet& net : nets_) {
     if (net.u.hi < lo.x() || net.u.lo > hi.x() || net.v.hi < lo.y() || net.v.lo > hi.y()) continue;
     const NormalNet part = restrict_to(net, {lo.x(), hi.x()}, {lo.y(), hi.y()});
@@ -134,6 +165,26 @@ NormalCone FaceSlants::normals_of(std::size_t patch, const Interval& u, const In
     for (Vec3& d : part.net) d = -d;
   }
   return cone_of(part);
+}
+
+double FaceSlants::largest_slant_of(std::size_t patch, const Interval& u, const Interval& v) const {
+  const NormalNet part = restrict_to(nets_[patch], u, v);
+  // The work grows with the square of the net: of large ones the cone has to do, which is as good where parts are
+  // small.
+  if (part.net.size() > kMaxSlantNet) return largest_slant(cone_of(part));
+  return slant_range(slant_net(part)).bound;
+}
+
+LookRange FaceSlants::looks_of(std::size_t patch, const Interval& u, const Interval& v) const {
+  const NormalNet part = restrict_to(nets_[patch], u, v);
+  const double sense = face_.same_sense ? 1.0 : -1.0;
+  LookRange out;
+  out.slant = largest_slant(cone_of(part));
+  for (const Vec3& d : part.net) {
+    out.up |= sense * d.z() > part.rounding;
+    out.down |= sense * d.z() < -part.rounding;
+  }
+  return out;
 }
 
 bool FaceSlants::is_outside(const Interval& u, const Interval& v) const {

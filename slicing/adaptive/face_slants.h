@@ -10,6 +10,13 @@
 
 namespace lamella {
 
+/// Which way a part of a face may look, neither where it is upright, and a coarse bound of its slant.
+struct LookRange {
+  bool up = false;
+  bool down = false;
+  double slant = 1.0;
+};
+
 /// The normals of one trimmed face. Queries are safe from several threads at once.
 class FaceSlants {
  public:
@@ -18,6 +25,8 @@ class FaceSlants {
 
   /// Exact heights of the face, mm.
   [[nodiscard]] const Interval& heights() const { return heights_; }
+  /// Exact box of the face, mm.
+  [[nodiscard]] const Box3& box() const { return box_; }
 
   /// Parts that cover the trimmed face, each with a bound of the slant over it, by halving Bezier nets. Parts are no
   /// higher than `resolution` mm where the slant changes over them. What would need too much work keeps a coarse bound.
@@ -37,6 +46,9 @@ class FaceSlants {
   [[nodiscard]] const std::vector<NormalNet>& nets() const { return nets_; }
   /// Of one patch the outward normals over parameters of the form, which may be a point.
   [[nodiscard]] NormalCone normals_of(std::size_t patch, const Interval& u, const Interval& v) const;
+  /// Of one patch over parameters of the form: a bound of the slant, and which way it may look.
+  [[nodiscard]] double largest_slant_of(std::size_t patch, const Interval& u, const Interval& v) const;
+  [[nodiscard]] LookRange looks_of(std::size_t patch, const Interval& u, const Interval& v) const;
   /// Whether all of a rectangle of the form's parameters is certainly outside the trimmed face.
   [[nodiscard]] bool is_outside(const Interval& u, const Interval& v) const;
 
@@ -45,6 +57,7 @@ class FaceSlants {
   TrimRegion region_;
   RationalForm form_;
   std::vector<NormalNet> nets_;  ///< of the form's patches
+  Box3 box_;
   Interval heights_;
 };
 

@@ -6,6 +6,7 @@
 #include "model/critical_points.h"
 #include "model/curve_extrema.h"
 #include "model/evaluate.h"
+#include "slicing/adaptive/crease_slants.h"
 #include "slicing/adaptive/edge_slants.h"
 
 namespace lamella {
@@ -15,8 +16,31 @@ namespace {
 /// The slant where a vertical direction lies between normals is 1 up to the rounding of the place, squared.
 constexpr double kVertical = 1.0 - 1e-7;
 
+/// Of an edge's range: normals that near to a crease's end are those on its two sides.
+constexpr double kBeside = 1e-7;
+
 SolidId solid_of(const Scene& scene, HalfEdgeId id) {
   return scene.solid_of(scene.loops[scene.half_edges[id].loop].face);
+}
+
+/// Where creases of the two faces end in the edge, if a vertical lies between the normals around: three patches or more
+/// meet there as faces do at a vertex, also where the edge runs on in a slope.
+void add_crease_ends(const Scene& scene, HalfEdgeId half_edge, const FaceSlants& face, const FaceSlants& neighbor,
+                     std::vector<FlatFeature>& out) {
+  const HalfEdge& half = scene.half_edges[half_edge];
+  const Edge& edge = scene.edges[half.edge];
+  std::vector<double> shares = crease_crossings(face, scene, half_edge);
+  for (const double share : crease_crossings(neighbor, scene, half.twin)) shares.push_back(share);
+  for (const double share : shares) {
+    std::vector<Vec3> normals;
+    for (const double beside : {share - kBeside, share + kBeside}) {
+      normals.push_back(face.normal_at(parameters_at(scene, half_edge, beside)));
+      normals.push_back(neighbor.normal_at(parameters_at(scene, half.twin, beside)));
+    }
+    if (largest_slant_among(normals) < kVertical) continue;
+    const double z = evaluate<3>(edge.curve, edge.range.lo + share * edge.range.length()).point.z();
+    out.push_back({z, FlatKind::extremum, solid_of(scene, half_edge)});
+  }
 }
 
 }  // namespace
@@ -62,6 +86,7 @@ std::vector<FlatFeature> flat_features(const Scene& scene, HalfEdgeId half_edge,
     const double z = evaluate<3>(edge.curve, edge.range.lo + share * edge.range.length()).point.z();
     out.push_back({z, FlatKind::extremum, solid_of(scene, half_edge)});
   }
+  add_crease_ends(scene, half_edge, face, neighbor, out);
   return out;
 }
 

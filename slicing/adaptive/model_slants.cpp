@@ -24,6 +24,11 @@ constexpr std::size_t kMaxNormals = 32;
 /// Of the normals around a pole or an apex so many are looked at.
 constexpr std::size_t kAroundApex = 8;
 constexpr double kHorizontal = 1.0 - 1e-9;
+/// Radians, about: normals that differ by less are one.
+constexpr double kSame = 1e-9;
+/// Of an edge's range, and the least jump of normals, about in radians, that counts that near to a vertex.
+constexpr double kBeside = 1e-7;
+constexpr double kJump = 1e-5;
 
 /// Finds the slants of the chosen solids, in passes that are parallel over faces.
 class SlantFinder {
@@ -58,12 +63,17 @@ class SlantFinder {
     collect(out);
     out.sharp_edges = sharp_edges_;
     look_at_vertices(out);
+    finish(out);
+    look_for_thin_places(out);
+  }
+
+ private:
+  static void finish(ModelSlants& out) {
     for (auto& profile : out.profiles) {
       if (profile) profile->finish();
     }
   }
 
- private:
   [[nodiscard]] MaterialId material_of(FaceId face) const { return table_.assignments[scene_.solid_of(face)].material; }
 
   template <class Body>
@@ -95,10 +105,7 @@ class SlantFinder {
       for (const HalfEdgeId id : scene_.loops[loop].half_edges) {
         const HalfEdge& half = scene_.half_edges[id];
         if (half.twin.valid() && half.twin < id) continue;
-        const FaceSlants* neighbor = nullptr;
-        if (half.twin.valid()) {
-          neighbor = slants_[place_of_.at(scene_.loops[scene_.half_edges[half.twin].loop].face)].get();
-        }
+        const FaceSlants* neighbor = half.twin.valid() ? slants_of(half.twin) : nullptr;
         const MaterialId material = material_of(faces_[i]);
         const EdgeSlants edge =
             edge_slants(scene_, id, *slants_[i], neighbor, *found.profiles[material], wedges_[material]);
@@ -121,6 +128,62 @@ class SlantFinder {
     }
   }
 
+  /// Thin places are those of one solid, within reach of the layers that the slants found so far let through.
+  void look_for_thin_places(ModelSlants& out) {
+    IdVector<MaterialId, std::optional<LayerReach>> reaches(out.profiles.size());
+    for (const MaterialId id : out.profiles.ids()) {
+      if (!out.profiles[id]) continue;
+      reaches[id].emplace(*out.profiles[id], wedges_[id].deviation, wedges_[id].thickest);
+    }
+    std::map<SolidId, std::vector<const FaceSlants*>> faces;
+    std::vector<std::size_t> place_in_solid;
+    for (std::size_t i = 0; i < faces_.size(); ++i) {
+      std::vector<const FaceSlants*>& of_solid = faces[scene_.solid_of(faces_[i])];
+      place_in_solid.push_back(of_solid.size());
+      of_solid.push_back(slants_[i].get());
+    }
+    std::map<SolidId, ThinSearch> searches;
+    for (auto& [solid, of_solid] : faces) searches.try_emplace(solid, std::move(of_solid));
+    std::vector<std::vector<ThinParts>> thin(faces_.size());
+    each_face("looking for thin places", [&](std::size_t i) {
+      const MaterialId material = material_of(faces_[i]);
+      const ThinSearch& search = searches.at(scene_.solid_of(faces_[i]));
+      const auto take = [&](const ThinParts& found) {
+        thin[i].push_back(found);
+        for (ThinPlace& place : thin[i].back().beyond) place.face = faces_[i];
+      };
+      take(search.of_face(place_in_solid[i], *out.profiles[material], *reaches[material], wedges_[material]));
+      for (const RidgeLine& line : lines_of(i)) {
+        take(search.of_line(line, *out.profiles[material], *reaches[material], wedges_[material]));
+      }
+    });
+    for (std::size_t i = 0; i < faces_.size(); ++i) {
+      SlantProfile& profile = *out.profiles[material_of(faces_[i])];
+      for (const ThinParts& parts : thin[i]) {
+        for (const Slant& part : parts.upper) profile.add_thin(part, LayerHalf::upper);
+        for (const Slant& part : parts.lower) profile.add_thin(part, LayerHalf::lower);
+        out.thin.insert(out.thin.end(), parts.beyond.begin(), parts.beyond.end());
+      }
+    }
+  }
+
+  /// The face's creases, and its edges, each with one of its faces.
+  [[nodiscard]] std::vector<RidgeLine> lines_of(std::size_t i) const {
+    std::vector<RidgeLine> out = crease_lines(*slants_[i]);
+    for (const LoopId loop : scene_.faces[faces_[i]].loops) {
+      for (const HalfEdgeId id : scene_.loops[loop].half_edges) {
+        const HalfEdge& half = scene_.half_edges[id];
+        if (!half.twin.valid() || half.twin < id || scene_.edges[half.edge].degenerate) continue;
+        out.push_back(edge_line(scene_, id, *slants_[i], *slants_of(half.twin)));
+      }
+    }
+    return out;
+  }
+
+  [[nodiscard]] const FaceSlants* slants_of(HalfEdgeId id) const {
+    return slants_[place_of_.at(scene_.loops[scene_.half_edges[id].loop].face)].get();
+  }
+
   /// What meets at a vertex: the normals of its faces, some of them at a pole or an apex.
   struct Around {
     FaceId face;
@@ -138,13 +201,16 @@ class SlantFinder {
             Around& place = around[at_end ? edge.end : edge.start];
             place.face = faces_[i];
             if (!edge.degenerate) {
-              add_normal(place.normals, slants_[i]->normal_at(parameters_at(scene_, id, at_end ? 1.0 : 0.0)));
+              add_normal(place.normals, slants_[i]->normal_at(parameters_at(scene_, id, at_end ? 1.0 : 0.0)), kSame);
+              // A crease may end here: then the half-edges' normals beside the vertex are those on its two sides.
+              const double beside = at_end ? 1.0 - kBeside : kBeside;
+              add_normal(place.normals, slants_[i]->normal_at(parameters_at(scene_, id, beside)), kJump);
               continue;
             }
             place.is_singular = true;
             for (std::size_t k = 0; k < kAroundApex; ++k) {
               const double share = static_cast<double>(k) / kAroundApex;
-              add_normal(place.normals, slants_[i]->normal_beside(parameters_at(scene_, id, share)));
+              add_normal(place.normals, slants_[i]->normal_beside(parameters_at(scene_, id, share)), kSame);
             }
           }
         }
@@ -153,8 +219,8 @@ class SlantFinder {
     for (const auto& [vertex, place] : around) add_vertex(vertex, place, out);
   }
 
-  static void add_normal(std::vector<Vec3>& normals, const Vec3& normal) {
-    const auto same = [&](const Vec3& other) { return (other - normal).norm() < 1e-9; };
+  static void add_normal(std::vector<Vec3>& normals, const Vec3& normal, double difference) {
+    const auto same = [&](const Vec3& other) { return (other - normal).norm() < difference; };
     if (std::none_of(normals.begin(), normals.end(), same)) normals.push_back(normal);
   }
 

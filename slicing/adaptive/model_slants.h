@@ -11,6 +11,7 @@
 #include "model/scene.h"
 #include "slicing/adaptive/edge_slants.h"
 #include "slicing/adaptive/slant_profile.h"
+#include "slicing/adaptive/thin_places.h"
 
 namespace lamella {
 
@@ -33,6 +34,7 @@ struct ModelSlants {
   IdVector<MaterialId, std::optional<SlantProfile>> profiles;  ///< none for materials without a solid
   IdVector<MaterialId, std::vector<Interval>> heights;         ///< of the material's solids, ascending, apart
   std::size_t sharp_edges = 0;        ///< whose tips recede by more than is allowed in whatever layers
+  std::vector<ThinPlace> thin;        ///< places that recede by more than is allowed in whatever layers meet none of it
   std::vector<FlatFeature> features;  ///< ascending, one a height
 };
 

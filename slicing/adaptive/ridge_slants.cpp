@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace lamella {
@@ -32,8 +33,6 @@ Bound slant_of(const NormalCone& a, const NormalCone& b) {
 
 /// Faces less slanted than that, about a degree, look neither up nor down.
 constexpr double kUpright = 0.02;
-/// Faces more slanted than that are level: a tip beside one recedes along the other.
-constexpr double kLevel = 0.9999;
 
 /// Whether one face looks up and the other down.
 bool is_wedge(const NormalCone& a, const NormalCone& b) {
@@ -49,26 +48,20 @@ bool may_be_wedge(const NormalCone& a, const NormalCone& b) {
   return !(looks_one_way(a) && looks_one_way(b) && a.axis.z() * b.axis.z() > 0.0);
 }
 
-/// The tip of a wedge recedes along its faces to the section in the middle of the layer: by the tangent of the angle
-/// between face and vertical, where the distance to the surface grows by the sine only.
-void add_wedge(const Interval& z, const NormalCone& a, const NormalCone& b, const WedgeRule& rule, EdgeSlants& out) {
-  double rate = 0.0;
-  for (const NormalCone* cone : {&a, &b}) {
-    if (std::abs(cone->axis.z()) >= kLevel) continue;
-    const double slant = largest_slant(*cone);
-    rate = std::max(rate, slant < 1.0 ? slant / std::sqrt(1.0 - slant * slant) : rule.steepest + 1.0);
-  }
-  if (rate > rule.steepest) {
-    out.is_too_sharp = true;
-    rate = rule.steepest;
-  }
-  if (!(rate > 0.0)) return;
-  // Half a layer that is higher than that recedes by more than is allowed.
-  const double reach = rule.deviation / rate;
-  out.parts.push_back({{z.lo - reach, z.hi + reach}, rate});
+/// Whether the tip of a wedge recedes by more than is allowed in whatever layers. A tip beside a level face recedes
+/// along the other.
+bool is_too_sharp(const NormalCone& a, const NormalCone& b, const WedgeRule& rule) {
+  const auto recedes_too_far = [&](const NormalCone& cone) {
+    return std::abs(cone.axis.z()) < kLevel && receding_rate(largest_slant(cone)) > rule.steepest;
+  };
+  return recedes_too_far(a) || recedes_too_far(b);
 }
 
 }  // namespace
+
+double receding_rate(double slant) {
+  return slant < 1.0 ? slant / std::sqrt(1.0 - slant * slant) : std::numeric_limits<double>::infinity();
+}
 
 EdgeSlants ridge_slants(const RidgeLine& line, const SlantProfile& known, const WedgeRule& wedges) {
   EdgeSlants out;
@@ -79,7 +72,7 @@ EdgeSlants ridge_slants(const RidgeLine& line, const SlantProfile& known, const 
     open.pop_back();
     ++pieces;
     if (line.is_outside && line.is_outside(piece.share)) continue;
-    const Interval z = line.heights(piece.share);
+    const Interval z = heights_of(line.box(piece.share));
     const NormalCone a = line.first(piece.share);
     const NormalCone b = line.second(piece.share);
     const Bound bound = slant_of(a, b);
@@ -90,7 +83,7 @@ EdgeSlants ridge_slants(const RidgeLine& line, const SlantProfile& known, const 
     const bool is_done = tells_nothing || (is_narrow && bound.doubt <= kSlantAccuracy);
     if (is_done || piece.depth >= kMaxDepth || pieces + open.size() > kMaxPieces) {
       out.parts.push_back({z, bound.slant});
-      if (is_wedge(a, b)) add_wedge(z, a, b, wedges, out);
+      if (is_wedge(a, b) && is_too_sharp(a, b, wedges)) out.is_too_sharp = true;
       continue;
     }
     const double middle = piece.share.middle();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace lamella {
 
@@ -15,7 +16,7 @@ constexpr double kThin = 1e-3;
 }  // namespace
 
 SlantProfile::SlantProfile(double bottom, double width, std::size_t count)
-    : bottom_(bottom), width_(width), bins_(count, 0.0) {}
+    : bottom_(bottom), width_(width), bins_(count, 0.0), upper_(count, 0.0), lower_(count, 0.0) {}
 
 std::size_t SlantProfile::bin_of(double z) const {
   const double bin = std::floor((z - bottom_) / width_);
@@ -29,10 +30,20 @@ void SlantProfile::add(const Slant& part) {
     levels_.push_back(part);
     return;
   }
+  raise(bins_, part);
+}
+
+void SlantProfile::add_thin(const Slant& part, LayerHalf half) {
+  const double top = height(bins_.size());
+  if (bins_.empty() || part.z.hi < bottom_ || part.z.lo > top) return;
+  raise(half == LayerHalf::upper ? upper_ : lower_, part);
+}
+
+void SlantProfile::raise(std::vector<double>& bins, const Slant& part) const {
   const double lo = part.z.lo + kTouch;
   const double hi = part.z.hi - kTouch;
   const std::size_t last = bin_of(std::max(lo, hi));
-  for (std::size_t bin = bin_of(lo); bin <= last; ++bin) bins_[bin] = std::max(bins_[bin], part.slant);
+  for (std::size_t bin = bin_of(lo); bin <= last; ++bin) bins[bin] = std::max(bins[bin], part.slant);
 }
 
 void SlantProfile::finish() {
@@ -67,6 +78,17 @@ double SlantProfile::least_slant(const Interval& z) const {
   return least;
 }
 
+double SlantProfile::least_rate(const Interval& z, LayerHalf half) const {
+  if (bins_.empty()) return 0.0;
+  const std::vector<double>& thin = half == LayerHalf::upper ? upper_ : lower_;
+  double least = std::numeric_limits<double>::infinity();
+  const std::size_t last = bin_of(std::max(z.lo, z.hi - kTouch));
+  for (std::size_t bin = bin_of(std::min(z.hi, z.lo + kTouch)); bin <= last; ++bin) {
+    least = std::min(least, std::max(bins_[bin], thin[bin]));
+  }
+  return least;
+}
+
 /// From the middle up, the distance to the surface grows by at most the largest slant met since (eq. 2).
 double SlantProfile::upward(std::size_t begin, std::size_t end) const {
   double grown = 0.0;
@@ -77,7 +99,7 @@ double SlantProfile::upward(std::size_t begin, std::size_t end) const {
       break;
     }
     double z = height(bin);
-    most = std::max(most, bins_[bin]);
+    most = std::max({most, bins_[bin], upper_[bin]});
     for (std::size_t l = first_level_[bin]; l < first_level_[bin + 1]; ++l) {
       const double at = std::clamp(levels_[l].z.lo, z, height(bin + 1));
       grown += most * (at - z);
@@ -95,7 +117,7 @@ double SlantProfile::downward(std::size_t begin, std::size_t end) const {
   double most = 0.0;
   for (std::size_t bin = std::min(end, bins_.size()); bin-- > begin;) {
     double z = height(bin + 1);
-    most = std::max(most, bins_[bin]);
+    most = std::max({most, bins_[bin], lower_[bin]});
     for (std::size_t l = first_level_[bin + 1]; l-- > first_level_[bin];) {
       const double at = std::clamp(levels_[l].z.hi, height(bin), z);
       grown += most * (z - at);

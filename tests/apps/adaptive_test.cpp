@@ -23,7 +23,7 @@ TEST(Adaptive, ReportsLayersWithinTheDeviation) {
   const Json& adaptive = report["adaptive"];
   expect_keys(adaptive, {"deviation", "quantum", "range", "layers", "largest_deviation", "mean_deviation",
                          "greedy_layers", "greedy_missed", "uniform_layers", "uniform_thickness", "materials",
-                         "sharp_edges", "missed", "features", "thicknesses"});
+                         "sharp_edges", "thin_faces", "missed", "features", "thicknesses"});
   EXPECT_EQ(adaptive["layers"], report["layers"]);
   EXPECT_EQ(report["grid"]["size"][2], report["layers"]);
   EXPECT_LE(adaptive["largest_deviation"], 0.1 + 1e-9);
@@ -36,6 +36,26 @@ TEST(Adaptive, ReportsLayersWithinTheDeviation) {
   EXPECT_EQ(layers, report["layers"].get<int>());
   EXPECT_THAT(contents(folder / "chart.svg"), HasSubstr("thickness of layers in mm"));
   EXPECT_EQ(run_lamella("check " + quoted(folder / "build")).exit_code, 0);
+}
+
+// The stack's power plane is a sheet of 0.036 mm between heights that layers of 0.05 mm and more can't both meet.
+TEST(Adaptive, NamesFacesThatLayersMayLose) {
+  const TemporaryFolder folder;
+  const std::string run = "slice " + quoted(datasets_dir() / "pcb_stack" / "pcb_stack.step") + " --pitch 0.5 -o " +
+                          quoted(folder / "build") +
+                          " --adaptive 0.05 --adaptive-range 0.05,0.4 --adaptive-step 0.01 --dry-run";
+  const CommandResult result = run_lamella(run + " --json");
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  const Json report = parse_output(result);
+  std::set<std::string> paths;
+  for (const Json& face : report["adaptive"]["thin_faces"]) {
+    expect_keys(face, {"solid", "path", "face", "at", "deviation"});
+    EXPECT_TRUE(face["deviation"].is_null());
+    EXPECT_EQ(face["at"].size(), 3U);
+    paths.insert(face["path"].get<std::string>());
+  }
+  EXPECT_EQ(paths.count("/PCB stack/Power plane"), 1U);
+  EXPECT_THAT(run_lamella(run).output, HasSubstr("thin, flat places that these layers may lose: 4"));
 }
 
 TEST(Adaptive, ThicknessesSuitFormatsOfOneThickness) {

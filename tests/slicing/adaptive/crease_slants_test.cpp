@@ -84,6 +84,21 @@ TEST(CreaseSlants, AreNoneWhereKnotsAreSmooth) {
   EXPECT_TRUE(creases_of(below(polynomial_patch(wave, 2, {-1.0, 1.0}, {0.0, 1.0}))).parts.empty());
 }
 
+// A face that ends at a crease of its surface has one normal there, not also that of what lies beyond; nor is there
+// none where an edge's parameters are rounded to a place just off the surface.
+TEST(FaceSlants, HaveTheFacesOwnNormalsAtItsBorder) {
+  Scene scene = below(folded({{0, 0}, {3, 3}, {0, 0}}));
+  scene.faces[FaceId{0}].uv_bounds = Box2(Vec2(0.0, 0.0), Vec2(1.0, 1.0));
+  const FaceSlants face(scene, FaceId{0});
+  const Vec3 normal = Vec3(-3.0, 0.0, 1.0).normalized();
+  const NormalCone at_crease = face.normals(Box2(Vec2(1.0, 0.0), Vec2(1.0, 1.0)));
+  EXPECT_LT(at_crease.half_angle, 1e-3);
+  EXPECT_NEAR(at_crease.axis.dot(normal), 1.0, 1e-6);
+  const NormalCone beyond = face.normals(Box2(Vec2(0.2, -1e-16), Vec2(0.8, -1e-17)));
+  EXPECT_LT(beyond.half_angle, 1e-3);
+  EXPECT_NEAR(beyond.axis.dot(normal), 1.0, 1e-6);
+}
+
 /// Plans layers of the only material of a scene from its lowest point.
 AdaptivePlan plan_layers_of(const Scene& scene, double deviation, double least, double most, double step) {
   MaterialTable table;
@@ -110,6 +125,27 @@ TEST(CreaseSlants, LayersEndAtAValleyInsideAFace) {
   for (const LayerSpan& layer : plan.layers) {
     EXPECT_FALSE(layer.z_bottom < 1.3 - 0.051 && layer.z_top > 1.3 + 0.051) << layer.z_bottom;
   }
+}
+
+// A ridge that climbs to the face's border: all around its end at (1, 0, 6), that isn't the solid's highest point, the
+// surface falls. Neither the ridge nor the border is level there, and each patch with the side has no vertical between.
+TEST(CreaseSlants, LayersEndWhereACreaseEndsInAPeakAtTheBorder) {
+  const auto peaks = folded({{0, 0, 0}, {6, 3, 1}, {0, 0, 0}, {1, 9, 1}, {0, 0, 0}});
+  const AdaptivePlan plan = plan_layers_of(below(peaks), 0.4, 0.2, 0.7, 0.1);
+  std::vector<double> heights;
+  for (const MetFeature& met : plan.features) heights.push_back(met.feature.z);
+  EXPECT_THAT(heights, Contains(DoubleNear(6.0, 1e-6)));
+  // Below, the same ridge is a notch that runs out at the border: nothing begins or ends there.
+  EXPECT_THAT(heights, Not(Contains(DoubleNear(-14.0, 1e-6))));
+}
+
+// The same where the border rises on: the crease's end is no extremum.
+TEST(CreaseSlants, ACreaseThatEndsInASlopeIsNoFeature) {
+  const auto slope = folded({{0, 0, 0}, {6, 3, 1}, {8, 4, 2}, {1, 9, 1}, {0, 0, 0}});
+  const AdaptivePlan plan = plan_layers_of(below(slope), 0.4, 0.2, 0.7, 0.1);
+  std::vector<double> heights;
+  for (const MetFeature& met : plan.features) heights.push_back(met.feature.z);
+  EXPECT_THAT(heights, Not(Contains(DoubleNear(6.0, 1e-6))));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "tests/slicing/adaptive/occt_deviation.h"
 
 #include <BRepAdaptor_Curve.hxx>
+#include <BRepAlgoAPI_Section.hxx>
 #include <BRepBndLib.hxx>
 #include <BRepBuilderAPI_MakeVertex.hxx>
 #include <BRepClass3d_SolidClassifier.hxx>
@@ -24,6 +25,7 @@
 #include <chrono>
 #include <cmath>
 #include <gp_Lin.hxx>
+#include <gp_Pln.hxx>
 #include <limits>
 #include <random>
 #include <stdexcept>
@@ -33,6 +35,8 @@ namespace lamella::test {
 namespace {
 
 constexpr double kFar = 1e6;  // mm
+constexpr int kDirections = 12;
+constexpr double kOnSurface = 1e-6;  // mm
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 gp_Pnt point_of(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
@@ -43,6 +47,12 @@ struct Facet {
   Handle(Geom_Surface) surface;
   TopLoc_Location place;
   std::array<Vec2, 3> uv;
+};
+
+/// A face and where it lies.
+struct BoxedFace {
+  TopoDS_Shape face;
+  Bnd_Box box;
 };
 
 class SolidMeter {
@@ -61,7 +71,32 @@ class SolidMeter {
     low_ = {x0, y0, z0};
     high_ = {x1, y1, z1};
     collect_facets();
+    for (TopExp_Explorer face(solid, TopAbs_FACE); face.More(); face.Next()) {
+      faces_.push_back({face.Current(), {}});
+      BRepBndLib::Add(face.Current(), faces_.back().box, false);
+    }
     TopExp::MapShapes(solid, TopAbs_EDGE, edges_);
+  }
+
+  /// From a place of the solid's surface to that of the extruded sections, mm, if it is more than `least`, else less.
+  double distance_to_built(const Vec3& p, double least) {
+    const std::size_t k = layer_at(p.z());
+    double nearest = distance_to_step(k, p, [this](std::size_t j, const Vec3& at) { return is_built(j, at); });
+    std::vector<std::size_t> walls{k};
+    if (k > 0) walls.push_back(k - 1);
+    if (k + 1 < layers()) walls.push_back(k + 1);
+    for (const std::size_t j : walls) {
+      if (nearest > least) nearest = std::min(nearest, estimate_to_wall(j, p));
+    }
+    // Rays may all miss what is near, and the classifier err.
+    for (const std::size_t j : walls) {
+      if (nearest > least) nearest = distance_to_wall(j, p, nearest);
+    }
+    if (nearest > least) {
+      const auto by_rays = [this](std::size_t j, const Vec3& at) { return is_built_by_rays(j, at); };
+      nearest = std::min(nearest, distance_to_step(k, p, by_rays));
+    }
+    return nearest;
   }
 
   void measure(const MeasureOptions& options, MeasuredDeviation& out) {
@@ -164,18 +199,38 @@ class SolidMeter {
     return vector_of(p.Transformed(facet.place.Transformation()));
   }
 
-  /// Whether layer k has the place.
+  /// Whether layer k has the place, by OpenCASCADE's classifier, which errs at times: it follows one line, and which
+  /// one depends on what it was asked before.
   bool is_built(std::size_t k, const Vec3& p) {
     classifier_.Perform({p.x(), p.y(), middle(k)}, 1e-9);
     return classifier_.State() == TopAbs_IN;
   }
 
-  /// Distance to the wall of layer k, by rays along its section in a few directions.
-  double distance_to_wall(std::size_t k, const Vec3& p) {
-    const double up = std::max({0.0, p.z() - borders_[k + 1], borders_[k] - p.z()});
+  /// The same by the majority of rays in the plane of its section.
+  bool is_built_by_rays(std::size_t k, const Vec3& p) {
+    int votes = 0;
+    for (int d = 0; d < kDirections; ++d) {
+      const double angle = kPi * d / kDirections;
+      int ahead = 0;
+      int behind = 0;
+      for (const double depth : cast({p.x(), p.y(), middle(k)}, {std::cos(angle), std::sin(angle)})) {
+        ++(depth > 0.0 ? ahead : behind);
+      }
+      votes += (ahead % 2 == 1 ? 1 : -1) + (behind % 2 == 1 ? 1 : -1);
+    }
+    return votes > 0;
+  }
+
+  [[nodiscard]] double height_above_layer(std::size_t k, const Vec3& p) const {
+    return std::max({0.0, p.z() - borders_[k + 1], borders_[k] - p.z()});
+  }
+
+  /// Distance to the wall of layer k, by rays along its section in a few directions: no less than it is.
+  double estimate_to_wall(std::size_t k, const Vec3& p) {
+    const double up = height_above_layer(k, p);
     double across = kInfinity;
-    for (int d = 0; d < 12; ++d) {
-      const double angle = kPi * d / 12.0;
+    for (int d = 0; d < kDirections; ++d) {
+      const double angle = kPi * d / kDirections;
       for (const double depth : cast({p.x(), p.y(), middle(k)}, {std::cos(angle), std::sin(angle)})) {
         across = std::min(across, std::abs(depth));
       }
@@ -183,20 +238,49 @@ class SolidMeter {
     return std::hypot(across, up);
   }
 
-  /// From a point of the solid's surface to the steps above and below and to the walls of its layer and its neighbours.
-  void sample_surface(MeasuredDeviation& out) {
-    if (facets_.empty()) return;
-    const Vec3 p = random_surface_point();
-    const std::size_t k = layer_at(p.z());
+  /// Distance to the wall of layer k, by the curves in which its plane cuts the faces, if it is less than `limit`, else
+  /// `limit`. Curves that aren't found make it larger, never less.
+  [[nodiscard]] double distance_to_wall(std::size_t k, const Vec3& p, double limit) const {
+    const double up = height_above_layer(k, p);
+    if (up >= limit) return limit;
+    const double reach = std::min(limit, (high_ - low_).norm());
+    const gp_Pnt at(p.x(), p.y(), middle(k));
+    Bnd_Box near;
+    near.Set(at);
+    near.Enlarge(reach);
+    TopoDS_Compound faces;
+    BRep_Builder builder;
+    builder.MakeCompound(faces);
+    for (const BoxedFace& one : faces_) {
+      if (!one.box.IsOut(near)) builder.Add(faces, one.face);
+    }
+    BRepAlgoAPI_Section section(faces, gp_Pln(at, gp_Dir(0.0, 0.0, 1.0)), false);
+    section.Approximation(true);
+    section.Build();
+    if (!section.IsDone()) return limit;
+    const BRepExtrema_DistShapeShape extrema(BRepBuilderAPI_MakeVertex(at).Vertex(), section.Shape());
+    return extrema.IsDone() && extrema.NbSolution() > 0 ? std::min(limit, std::hypot(extrema.Value(), up)) : limit;
+  }
+
+  /// Distance to the steps above and below the place's layer k, where just one of two layers has it.
+  template <class IsBuilt>
+  double distance_to_step(std::size_t k, const Vec3& p, const IsBuilt& is_built) {
     double nearest = kInfinity;
     for (std::size_t j = k; j <= k + 1; ++j) {
       const bool below = j > 0 && is_built(j - 1, p);
       const bool above = j < layers() && is_built(j, p);
       if (below != above) nearest = std::min(nearest, std::abs(p.z() - borders_[j]));
     }
-    if (nearest > out.surface) nearest = std::min(nearest, distance_to_wall(k, p));
-    if (nearest > out.surface && k > 0) nearest = std::min(nearest, distance_to_wall(k - 1, p));
-    if (nearest > out.surface && k + 1 < layers()) nearest = std::min(nearest, distance_to_wall(k + 1, p));
+    return nearest;
+  }
+
+  /// From a point of the solid's surface to the steps above and below and to the walls of its layer and its neighbours.
+  void sample_surface(MeasuredDeviation& out) {
+    if (facets_.empty()) return;
+    const Vec3 p = random_surface_point();
+    const double nearest = distance_to_built(p, out.surface);
+    // Triangles in the surface's parameters may lie across the face's border.
+    if (nearest > out.surface && distance_to_surface(p) > kOnSurface) return;
     ++out.surface_samples;
     if (nearest <= out.surface) return;
     out.surface = nearest;
@@ -214,22 +298,40 @@ class SolidMeter {
   std::vector<Facet> facets_;
   std::vector<double> areas_;  ///< running sums
   TopTools_IndexedMapOfShape edges_;
+  std::vector<BoxedFace> faces_;
 };
 
 }  // namespace
 
-MeasuredDeviation measure_deviation(const std::filesystem::path& step_file, const std::vector<double>& borders,
-                                    const MeasureOptions& options) {
+namespace {
+
+std::vector<TopoDS_Shape> solids_of(const std::filesystem::path& step_file) {
   STEPControl_Reader reader;
   if (reader.ReadFile(step_file.c_str()) != IFSelect_RetDone) {
     throw std::runtime_error("OpenCASCADE can't read " + step_file.string());
   }
   reader.TransferRoots();
-  MeasuredDeviation out;
+  std::vector<TopoDS_Shape> out;
   for (TopExp_Explorer solid(reader.OneShape(), TopAbs_SOLID); solid.More(); solid.Next()) {
-    SolidMeter(solid.Current(), borders, options.seed).measure(options, out);
+    out.push_back(solid.Current());
   }
   return out;
+}
+
+}  // namespace
+
+MeasuredDeviation measure_deviation(const std::filesystem::path& step_file, const std::vector<double>& borders,
+                                    const MeasureOptions& options) {
+  MeasuredDeviation out;
+  for (const TopoDS_Shape& solid : solids_of(step_file)) {
+    SolidMeter(solid, borders, options.seed).measure(options, out);
+  }
+  return out;
+}
+
+double surface_deviation_at(const std::filesystem::path& step_file, std::size_t solid,
+                            const std::vector<double>& borders, const Vec3& place) {
+  return SolidMeter(solids_of(step_file).at(solid), borders, 1).distance_to_built(place, 0.0);
 }
 
 }  // namespace lamella::test

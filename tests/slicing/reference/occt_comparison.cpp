@@ -1,16 +1,7 @@
 #include "tests/slicing/reference/occt_comparison.h"
 
-#include <BRepBndLib.hxx>
 #include <BRepClass3d_SolidClassifier.hxx>
-#include <BRepGProp.hxx>
-#include <Bnd_Box.hxx>
-#include <GProp_GProps.hxx>
 #include <IntCurvesFace_ShapeIntersector.hxx>
-#include <Message.hxx>
-#include <Message_Messenger.hxx>
-#include <STEPControl_Reader.hxx>
-#include <TopExp_Explorer.hxx>
-#include <TopoDS.hxx>
 #include <TopoDS_Solid.hxx>
 #include <algorithm>
 #include <chrono>
@@ -21,6 +12,7 @@
 #include "model/evaluate.h"
 #include "model/measure.h"
 #include "model/step/read_step.h"
+#include "tests/support/occt_solids.h"
 
 namespace lamella::test {
 
@@ -29,64 +21,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-std::vector<TopoDS_Solid> occt_solids(const std::filesystem::path& file) {
-  Message::DefaultMessenger()->ChangePrinters().Clear();
-  STEPControl_Reader reader;
-  if (reader.ReadFile(file.c_str()) != IFSelect_RetDone) return {};
-  reader.TransferRoots();
-  std::vector<TopoDS_Solid> solids;
-  for (TopExp_Explorer it(reader.OneShape(), TopAbs_SOLID); it.More(); it.Next()) {
-    solids.push_back(TopoDS::Solid(it.Current()));
-  }
-  return solids;
-}
-
-Box3 occt_box(const TopoDS_Solid& solid) {
-  Bnd_Box box;
-  BRepBndLib::AddOptimal(solid, box, Standard_False, Standard_False);
-  Vec3 lo;
-  Vec3 hi;
-  box.Get(lo.x(), lo.y(), lo.z(), hi.x(), hi.y(), hi.z());
-  return {lo, hi};
-}
-
-double corner_distance(const Box3& a, const Box3& b) {
-  return std::max((a.min() - b.min()).norm(), (a.max() - b.max()).norm());
-}
-
-double occt_volume(const TopoDS_Solid& solid) {
-  GProp_GProps properties;
-  BRepGProp::VolumeProperties(solid, properties, 1e-4);
-  return properties.Mass();
-}
-
-/// For each solid of the scene the index of OpenCASCADE's solid with the same box and volume, each taken once; -1 for
-/// none.
-std::vector<int> match(const std::vector<SolidMeasure>& measures, const std::vector<TopoDS_Solid>& solids) {
-  std::vector<Box3> boxes;
-  std::vector<double> volumes;
-  for (const TopoDS_Solid& solid : solids) {
-    boxes.push_back(occt_box(solid));
-    volumes.push_back(occt_volume(solid));
-  }
-  std::vector<bool> taken(solids.size(), false);
-  std::vector<int> result;
-  for (const SolidMeasure& measure : measures) {
-    int best = -1;
-    double least = 1e-2;
-    for (std::size_t k = 0; k < solids.size(); ++k) {
-      const double distance = corner_distance(measure.bounds, boxes[k]) / measure.bounds.diagonal().norm() +
-                              std::abs(measure.volume - volumes[k]) / measure.volume;
-      if (taken[k] || !(distance < least)) continue;
-      least = distance;
-      best = static_cast<int>(k);
-    }
-    if (best >= 0) taken[best] = true;
-    result.push_back(best);
-  }
-  return result;
-}
 
 /// Depths of OpenCASCADE's intersections, ascending; those that an edge shared by two faces gives twice are dropped.
 std::vector<double> occt_depths(IntCurvesFace_ShapeIntersector& intersector, const Ray& ray, double same) {
@@ -199,7 +133,7 @@ OcctComparison compare_with_occt(const std::filesystem::path& file, int rays_per
   const std::vector<TopoDS_Solid> solids = occt_solids(file);
   std::vector<SolidMeasure> measures;
   for (const SolidId id : scene.solids.ids()) measures.push_back(measure_solid(scene, id, 1e-4));
-  const std::vector<int> partner = match(measures, solids);
+  const std::vector<int> partner = match_solids(measures, solids);
   const ReferenceEngine engine(scene, {}, {}, 1);
 
   OcctComparison result;
