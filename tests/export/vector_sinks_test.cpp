@@ -113,6 +113,19 @@ TEST(VectorSinks, ARunThatEndsEarlyLeavesNoFile) {
   }
 }
 
+TEST(VectorSinks, ACancelledRunOfSlcLeavesNoFolderOfItsOwn) {
+  const Sample sample;
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "before");
+  for (const char* name : {"new", "before"}) {
+    const auto sink = make_slc_sink(folder / name);
+    sink->begin(sample.info);
+    sink->write(sample.layers[0]);
+  }
+  EXPECT_FALSE(fs::exists(folder / "new"));
+  EXPECT_TRUE(fs::is_empty(folder / "before"));
+}
+
 TEST(VectorSinks, LayersThatDoNotFitTheirPlanAreRefused) {
   const Sample sample;
   for (const Sink& sink : kSinks) {
