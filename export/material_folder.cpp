@@ -15,6 +15,12 @@ MaterialFolder::~MaterialFolder() {
   if (made_root_) fs::remove(root_, ignored);  // which a folder with files withstands
 }
 
+void MaterialFolder::abandon() noexcept {
+  std::error_code ignored;
+  for (const fs::path& file : files_) fs::remove(file, ignored);
+  files_.clear();
+}
+
 void MaterialFolder::open(const std::vector<std::string>& names) {
   made_root_ = !fs::exists(fs::symlink_status(root_));
   make_folder(root_);

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace lamella {
@@ -18,10 +19,17 @@ class MaterialFolder {
   /// incomplete, and leaves it as it is. Throws ExportError.
   void open(const std::vector<std::string>& names);
 
+  /// Notes a file that is complete.
+  void add(std::filesystem::path file) { files_.push_back(std::move(file)); }
+
+  /// Removes the files that are complete, after a failed run: they would lie among those of an earlier one.
+  void abandon() noexcept;
+
   [[nodiscard]] const std::filesystem::path& root() const { return root_; }
 
  private:
   std::filesystem::path root_;
+  std::vector<std::filesystem::path> files_;
   bool made_root_ = false;
 };
 

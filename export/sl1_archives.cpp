@@ -134,9 +134,12 @@ class Sl1Sink final : public LayerSink {
       parts.images = pictures.file.path();
       parts.image_parts = std::move(pictures.parts);
       write_package(pictures.target, parts);
+      folder_.add(pictures.target);
     }
     pictures_.clear();  // the folder holds archives only, once they are whole
   }
+
+  void abandon() noexcept override { folder_.abandon(); }
 
  private:
   [[nodiscard]] PackedImage blank_image() const {

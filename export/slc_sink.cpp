@@ -76,6 +76,7 @@ void append_boundary(const MaterialLoop& loop, std::string& out) {
 /// The file of one material.
 struct MaterialFile {
   MaterialId material;
+  fs::path path;
   OutputFile file;
   Box3 box;
 };
@@ -94,7 +95,8 @@ class SlcSink final : public LayerSink {
     for (const auto& [material, name] : names) file_names.push_back(name);
     folder_.open(file_names);
     for (const auto& [material, name] : names) {
-      MaterialFile& file = files_.emplace_back(material, OutputFile(folder_.root() / name), Box3());
+      const fs::path path = folder_.root() / name;
+      MaterialFile& file = files_.emplace_back(material, path, OutputFile(path), Box3());
       file.file.stream() << header_text({}) << std::string(kReserved, '\0') << table;
     }
   }
@@ -118,8 +120,13 @@ class SlcSink final : public LayerSink {
       file.file.stream().seekp(0);
       file.file.stream() << header_text(file.box);
     }
-    for (MaterialFile& file : files_) file.file.commit();
+    for (MaterialFile& file : files_) {
+      file.file.commit();
+      folder_.add(file.path);
+    }
   }
+
+  void abandon() noexcept override { folder_.abandon(); }
 
  private:
   /// Of the materials that solids are made of.

@@ -250,6 +250,19 @@ TEST(Sl1, RefusesAFolderWithOtherFilesAndLeavesItAlone) {
   EXPECT_TRUE(fs::exists(folder / "out/thesis.txt"));
 }
 
+TEST(Sl1, ARunThatFailsAmongItsArchivesLeavesNoneOfThem) {
+  const TemporaryFolder folder;
+  const BuildInfo info = make_build(printer_grid(), {"hard", "soft"});
+  const auto sink = make_sl1_sink(folder / "out");
+  sink->begin(info);
+  for (const Layer& layer : random_layers(info)) sink->write(layer);
+  fs::create_directory(folder / "out/soft.sl1");
+  EXPECT_THROW(sink->finish({}), ExportError);
+  EXPECT_TRUE(fs::exists(folder / "out/hard.sl1"));
+  sink->abandon();
+  EXPECT_FALSE(fs::exists(folder / "out/hard.sl1"));
+}
+
 TEST(Sl1, AnEndedRunLeavesNoArchive) {
   const TemporaryFolder folder;
   const BuildInfo info = make_build(printer_grid(), {"hard", "soft"});
