@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "export/build_check.h"
+#include "export/gcode_part.h"
 #include "export/gcode_words.h"
 #include "export/gcode_writer.h"
 #include "export/output_file.h"
@@ -111,8 +112,11 @@ class GcodeSink final : public LayerSink {
     std::ostream& out = file_->stream();
     out << "; Lamella, raster G-code for " << gcode::name_of(options_.machine.gcode->flavor) << "\n";
     out << "; machine: " << gcode::plain(plan.machine) << "\n";
-    out << fmt::format("; layers: {}\n; time: {:.1f} s\n; tool changes: {}\n; manual changes: {}\n", plan.layers.size(),
-                       plan.time, plan.tool_changes, plan.reloads);
+    const GcodePart part = part_of(plan, info_.given);
+    out << fmt::format("; layers: {}\n", part.layers.last - part.layers.first);
+    if (!part.is_whole) write_range(part.layers);
+    out << fmt::format("; time: {:.1f} s\n; tool changes: {}\n; manual changes: {}\n", part.time, part.tool_changes,
+                       part.reloads);
     out << fmt::format("; hatch spacing: {:.6g} mm, {}\n", info_.plan.hatch->spacing,
                        options_.machine.gcode->serpentine ? "serpentine" : "one-way");
     out << fmt::format("; offset of the part: X{:.4f} Y{:.4f} Z{:.4f} mm\n", offset_.x(), offset_.y(), offset_.z());
@@ -120,7 +124,7 @@ class GcodeSink final : public LayerSink {
         "; tracks end where the part ends; what they come out wider ({:.6g} mm a side) and shrinkage "
         "aren't made up for\n",
         options_.machine.width_compensation);
-    for (const PlanMaterial& material : plan.materials) {
+    for (const PlanMaterial& material : part.materials) {
       if (material.tools.empty()) continue;
       std::string tools;
       for (const ToolId tool : material.tools) tools += fmt::format(" T{}", tool.value());
@@ -128,6 +132,17 @@ class GcodeSink final : public LayerSink {
                          gcode::plain(material.name), tools, material.length, material.volume,
                          material.mass ? fmt::format("{:.4f} g", *material.mass) : "unknown");
     }
+  }
+
+  /// That the file isn't all of the build, and what it stands on.
+  void write_range(LayerRange layers) {
+    std::ostream& out = file_->stream();
+    out << fmt::format("; of the build's {} layers only {} to {}: time, changes, tracks, volume and mass are theirs\n",
+                       info_.plan.layers.size(), layers.first, layers.last - 1);
+    if (layers.first == 0) return;
+    out << fmt::format(
+        "; WARNING: begins at Z{:.4f}, on top of layer {}: without the layers below, it is laid into the air\n",
+        info_.plan.layers[layers.first].z_bottom + offset_.z(), layers.first - 1);
   }
 
   /// The plan knows of every segment: nothing of a layer may be left out because the plan is of another cut.

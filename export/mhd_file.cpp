@@ -52,12 +52,20 @@ std::string vector_text(const Vec3& v) {
   return fmt::format("{} {} {}", format_double(v.x()), format_double(v.y()), format_double(v.z()));
 }
 
+/// The header states the name on a line of its own and has no way to quote.
+void check_name(const std::string& name) {
+  const bool is_line =
+      std::none_of(name.begin(), name.end(), [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7F'; });
+  if (!is_line) throw UsageError("the header can't name data with a control character", name, "choose another name");
+}
+
 class MhdFile final : public VolumeFile {
  public:
   MhdFile(std::filesystem::path path, bool is_raw)
       : path_(std::move(path)), data_path_(mhd_data_place(path_, is_raw)), is_raw_(is_raw) {
     if (data_path_ == path_)
       throw UsageError("the header would have the name of its data", path_.string(), "name it .mhd");
+    check_name(data_path_.filename().string());
   }
 
   void begin(const BuildInfo& info, const Volume& volume) override {

@@ -91,7 +91,7 @@ class PolyjetSink final : public LayerSink {
     grid.size[2] = uniform_->count();
     check_lattice(grid.pitch);
     colors_ = distinct_colors(info.materials);
-    check_count(uniform_->count());
+    check_count(count_given());
     style_.pixels_per_metre = pixels_per_metre(grid);
     const PackedImage fits(grid.size[0], grid.size[1], 32);
     folder_.open(shown);
@@ -115,6 +115,13 @@ class PolyjetSink final : public LayerSink {
   void abandon() noexcept override { folder_.abandon(); }
 
  private:
+  /// Slices that the layers to come make.
+  [[nodiscard]] std::int64_t count_given() const {
+    const std::size_t last = std::min<std::size_t>(info_.given.last, info_.plan.layers.size());
+    const SliceRange range = uniform_->slices(std::min<std::size_t>(info_.given.first, last), last);
+    return range.end - range.begin;
+  }
+
   void check_count(std::int64_t slices) const {
     if (slices >= options_.fewest_slices) return;
     throw UsageError(

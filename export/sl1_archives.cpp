@@ -12,6 +12,7 @@
 #include "core/xml.h"
 #include "export/build_check.h"
 #include "export/file_name.h"
+#include "export/material_folder.h"
 #include "export/material_runs.h"
 #include "export/package_file.h"
 #include "export/png_image.h"
@@ -102,8 +103,10 @@ class Sl1Sink final : public LayerSink {
     std::vector<std::string> names;
     for (const Material& material : info.materials) names.push_back(material.name);
     jobs_ = safe_file_names(names);
-    make_folder(folder_);
-    for (const std::string& job : jobs_) pictures_.emplace_back(folder_ / (job + ".sl1"));
+    std::vector<std::string> archives;
+    for (const std::string& job : jobs_) archives.push_back(job + ".sl1");
+    folder_.open(archives);
+    for (const std::string& archive : archives) pictures_.emplace_back(folder_.root() / archive);
   }
 
   void write(const Layer& layer) override { prepare(layer)(); }
@@ -131,9 +134,12 @@ class Sl1Sink final : public LayerSink {
       parts.images = pictures.file.path();
       parts.image_parts = std::move(pictures.parts);
       write_package(pictures.target, parts);
+      folder_.add(pictures.target);
     }
     pictures_.clear();  // the folder holds archives only, once they are whole
   }
+
+  void abandon() noexcept override { folder_.abandon(); }
 
  private:
   [[nodiscard]] PackedImage blank_image() const {
@@ -186,7 +192,7 @@ class Sl1Sink final : public LayerSink {
     ++written_;
   }
 
-  std::filesystem::path folder_;
+  MaterialFolder folder_;  // outlives what is in it
   Sl1Options options_;
   BuildInfo info_;
   std::optional<UniformZ> uniform_;

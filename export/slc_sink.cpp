@@ -14,6 +14,7 @@
 #include "export/byte_order.h"
 #include "export/file_name.h"
 #include "export/material_contours.h"
+#include "export/material_folder.h"
 #include "export/output_file.h"
 
 namespace lamella {
@@ -75,6 +76,7 @@ void append_boundary(const MaterialLoop& loop, std::string& out) {
 /// The file of one material.
 struct MaterialFile {
   MaterialId material;
+  fs::path path;
   OutputFile file;
   Box3 box;
 };
@@ -88,10 +90,13 @@ class SlcSink final : public LayerSink {
     combiner_.emplace(info, "slc");
     info_ = info;
     const std::string table = table_of(info.plan);
-    const std::vector<std::pair<MaterialId, std::string>> names = file_names();
-    check_folder(names);
+    const std::vector<std::pair<MaterialId, std::string>> names = used_names();
+    std::vector<std::string> file_names;
+    for (const auto& [material, name] : names) file_names.push_back(name);
+    folder_.open(file_names);
     for (const auto& [material, name] : names) {
-      MaterialFile& file = files_.emplace_back(material, OutputFile(folder_ / name), Box3());
+      const fs::path path = folder_.root() / name;
+      MaterialFile& file = files_.emplace_back(material, path, OutputFile(path), Box3());
       file.file.stream() << header_text({}) << std::string(kReserved, '\0') << table;
     }
   }
@@ -115,18 +120,17 @@ class SlcSink final : public LayerSink {
       file.file.stream().seekp(0);
       file.file.stream() << header_text(file.box);
     }
-    for (MaterialFile& file : files_) file.file.commit();
+    for (MaterialFile& file : files_) {
+      file.file.commit();
+      folder_.add(file.path);
+    }
   }
 
-  void abandon() noexcept override {
-    files_.clear();
-    std::error_code ignored;
-    if (made_folder_) fs::remove(folder_, ignored);
-  }
+  void abandon() noexcept override { folder_.abandon(); }
 
  private:
   /// Of the materials that solids are made of.
-  [[nodiscard]] std::vector<std::pair<MaterialId, std::string>> file_names() const {
+  [[nodiscard]] std::vector<std::pair<MaterialId, std::string>> used_names() const {
     std::vector<std::string> names;
     for (const Material& material : info_.materials) names.push_back(material.name);
     names = safe_file_names(names);
@@ -137,20 +141,6 @@ class SlcSink final : public LayerSink {
       if (is_used) used.emplace_back(id, names[id.value()] + ".slc");
     }
     return used;
-  }
-
-  void check_folder(const std::vector<std::pair<MaterialId, std::string>>& names) {
-    made_folder_ = !fs::exists(folder_);
-    make_folder(folder_);
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) {
-      const std::string name = entry.path().filename().string();
-      const bool is_ours = std::any_of(names.begin(), names.end(), [&](const auto& ours) {
-        return name == ours.second || name.starts_with(ours.second + ".part-");
-      });
-      if (is_ours && entry.is_regular_file()) continue;
-      throw ExportError("the output folder holds files that this build doesn't write", entry.path().string(),
-                        "choose a new or empty folder");
-    }
   }
 
   static void add(MaterialFile& file, const Layer& layer, const std::vector<MaterialLoop>& loops) {
@@ -168,8 +158,7 @@ class SlcSink final : public LayerSink {
     file.file.check();
   }
 
-  fs::path folder_;
-  bool made_folder_ = false;
+  MaterialFolder folder_;  // outlives what is in it
   BuildInfo info_;
   std::optional<ContourCombiner> combiner_;
   std::deque<MaterialFile> files_;

@@ -30,6 +30,10 @@ class UniformZ {
   [[nodiscard]] std::int64_t count() const { return count_; }
   /// The slices that show a layer of the plan, consecutive from layer to layer; none when z_pitch leaves it out.
   [[nodiscard]] SliceRange slices(std::size_t layer) const { return {first_[layer], first_[layer + 1]}; }
+  /// The slices that show a range of layers.
+  [[nodiscard]] SliceRange slices(std::size_t first_layer, std::size_t last_layer) const {
+    return {first_[first_layer], first_[last_layer]};
+  }
   /// Behind the last slice of the last layer.
   [[nodiscard]] std::int64_t end() const { return first_.back(); }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -23,6 +24,12 @@ struct BuildSolid {
   Box3 bounds;
 };
 
+/// Layers [first, last) of a build.
+struct LayerRange {
+  std::uint32_t first = 0;
+  std::uint32_t last = UINT32_MAX;
+};
+
 /// All that an exporter knows about a build besides its layers.
 struct BuildInfo {
   std::vector<SourceFile> sources;
@@ -31,13 +38,15 @@ struct BuildInfo {
   OverlapPolicy policy = OverlapPolicy::priority;
   LayerPlan plan;
   std::optional<Mat3> turn = {};  ///< how the assembly was turned to be built: p -> turn p, from the files' frame
+  LayerRange given = {};  ///< of the plan's layers, those that a sink gets; more than the plan has are all of it
 };
 
 /// Whether the build has graded materials.
 [[nodiscard]] bool is_graded(const BuildInfo& info);
 
 /// Takes the layers of one build in increasing z: begin, write once per layer, finish.
-/// A replay of a range of layers writes fewer than the plan holds; `Layer::index` keeps its place in the plan.
+/// A replay of a range of layers writes fewer than the plan holds, those that `BuildInfo::given` says; `Layer::index`
+/// keeps its place in the plan.
 /// An implementation writes to temporary names and renames in finish(); destroyed without finish() it leaves nothing.
 class LayerSink {
  public:

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
+#include <numeric>
 #include <string>
 
 #include "core/error.h"
@@ -16,6 +18,11 @@ std::string joined(const std::vector<std::string>& names) {
   std::string out;
   for (const std::string& name : names) out += (out.empty() ? "" : ", ") + name;
   return out;
+}
+
+/// mm to a nanometre: further digits come of the difference.
+std::string height_text(const LayerStatistics& layer) {
+  return format_double(std::round((layer.z_top - layer.z_bottom) * 1e6) / 1e6);
 }
 
 class NeedFinder {
@@ -34,6 +41,21 @@ class NeedFinder {
   }
 
  private:
+  [[nodiscard]] std::string range_text(ToolId tool) const {
+    const Interval range = machine_.layers_of(tool);
+    return "'" + machine_.tools[tool].name + "' lays " + format_double(range.lo) + " to " + format_double(range.hi) +
+           " mm";
+  }
+
+  /// Bit t says that tool t can hold the material, whatever the layers.
+  [[nodiscard]] std::uint32_t holders_of(MaterialId material) const {
+    std::uint32_t tools = 0;
+    for (const ToolId tool : machine_.tools.ids()) {
+      if (machine_.can_hold(tool, materials_[material].name)) tools |= 1U << tool.value();
+    }
+    return tools;
+  }
+
   /// Bit t says that tool t can hold the material and lay the layer.
   [[nodiscard]] std::uint32_t tools_for(MaterialId material, const LayerStatistics& layer) const {
     const std::string& name = materials_[material].name;
@@ -44,16 +66,15 @@ class NeedFinder {
       if (!machine_.can_hold(tool, name)) continue;
       const Interval range = machine_.layers_of(tool);
       if (takes_height(range, height)) tools |= 1U << tool.value();
-      ranges += (ranges.empty() ? "'" : ", '") + machine_.tools[tool].name + "' lays " + format_double(range.lo) +
-                " to " + format_double(range.hi) + " mm";
+      ranges += (ranges.empty() ? "" : ", ") + range_text(tool);
     }
     if (tools != 0) return tools;
     if (ranges.empty()) {
       throw InputError("no tool can hold the material '" + name + "'", machine_.source,
                        "add <holds material=\"...\"/> to a tool, or choose another machine");
     }
-    throw InputError("layer " + std::to_string(layer.index) + " of " + format_double(height) +
-                         " mm has the material '" + name + "', which no tool lays so: " + ranges,
+    throw InputError("layer " + std::to_string(layer.index) + " of " + height_text(layer) + " mm has the material '" +
+                         name + "', which no tool lays so: " + ranges,
                      machine_.source, "slice again with --adaptive and --machine or with another --layer-height");
   }
 
@@ -77,6 +98,7 @@ class NeedFinder {
       first.push_back(static_cast<std::uint32_t>(names_.size()));
       for (const std::uint32_t tools : groups[material.value()]) {
         names_.push_back(materials_[material].name);
+        material_of_.push_back(material);
         problem_.holders.push_back(tools);
       }
     }
@@ -101,11 +123,45 @@ class NeedFinder {
            joined(tools) + ") for layers of that height";
   }
 
+  /// The tools that would do but for the thickness of layers, where these needs' materials would fit with them; empty
+  /// where they wouldn't. The layer's own thickness needn't be what bars a tool: another with the material may be.
+  [[nodiscard]] std::string barred_by_thickness(const std::vector<std::uint32_t>& needs) const {
+    std::vector<std::uint32_t> materials;
+    std::vector<std::uint32_t> holders;
+    for (const MaterialId material : materials_.ids()) holders.push_back(holders_of(material));
+    std::uint32_t barred = 0;
+    for (const std::uint32_t need : needs) {
+      const auto material = static_cast<std::uint32_t>(material_of_[need].value());
+      if (std::find(materials.begin(), materials.end(), material) == materials.end()) materials.push_back(material);
+      barred |= holders[material] & ~problem_.holders[need];
+    }
+    if (barred == 0 || !match_tools(materials, holders)) return "";
+    std::string text;
+    for (const ToolId tool : machine_.tools.ids()) {
+      if ((barred >> tool.value() & 1U) != 0) text += (text.empty() ? "" : ", ") + range_text(tool);
+    }
+    return text;
+  }
+
   [[nodiscard]] std::vector<std::string> names_of(const std::vector<std::uint32_t>& needs) const {
     std::vector<std::string> names;
     names.reserve(needs.size());
     for (const std::uint32_t need : needs) names.push_back(names_[need]);
     return names;
+  }
+
+  [[nodiscard]] std::vector<std::uint32_t> all_needs() const {
+    std::vector<std::uint32_t> needs(problem_.holders.size());
+    std::iota(needs.begin(), needs.end(), 0U);
+    return needs;
+  }
+
+  /// Throws where the thickness of layers is why these needs don't fit.
+  void refuse_thickness(const std::vector<std::uint32_t>& needs, const std::string& what) const {
+    const std::string barred = barred_by_thickness(needs);
+    if (barred.empty()) return;
+    throw InputError(what + ", and thickness alone bars tools: " + barred, machine_.source,
+                     "slice again with --adaptive and --machine or with another --layer-height");
   }
 
   void refuse(const LoadVerdict& verdict) const {
@@ -117,13 +173,16 @@ class NeedFinder {
                          "add <holds material=\"...\"/> to a tool, or choose another machine");
       case LoadFault::layer_needs_too_much: {
         const std::vector<std::uint32_t>& needs = problem_.layers[verdict.which];
-        throw InputError("layer " + std::to_string(layers_[verdict.which].index) + " needs " +
-                             std::to_string(needs.size()) + " materials at once (" + joined(names_of(needs)) +
-                             "), which don't fit the " + std::to_string(problem_.tools) + " tools together" +
-                             crowd_of(needs),
-                         machine_.source, "choose a machine with more tools, fewer materials, or turn the part");
+        const LayerStatistics& layer = layers_[verdict.which];
+        const std::string what = "layer " + std::to_string(layer.index) + " needs " + std::to_string(needs.size()) +
+                                 " materials at once (" + joined(names_of(needs)) + "), which don't fit the " +
+                                 std::to_string(problem_.tools) + " tools together" + crowd_of(needs);
+        refuse_thickness(needs, what + "; the layer is " + height_text(layer) + " mm thick");
+        throw InputError(what, machine_.source, "choose a machine with more tools, fewer materials, or turn the part");
       }
       case LoadFault::needs_reloading:
+        refuse_thickness(all_needs(), "the machine isn't reloaded, and its " + std::to_string(problem_.tools) +
+                                          " tools can't lay all the build's layers");
         throw InputError("the build needs " + std::to_string(verdict.which) + " materials, the machine has " +
                              std::to_string(problem_.tools) + " tools and isn't reloaded",
                          machine_.source, "set reload=\"between-layers\" where an operator can do it");
@@ -134,7 +193,8 @@ class NeedFinder {
   const std::vector<LayerStatistics>& layers_;
   const Machine& machine_;
   LoadProblem problem_;
-  std::vector<std::string> names_;  ///< of the needs' materials
+  std::vector<std::string> names_;       ///< of the needs' materials
+  std::vector<MaterialId> material_of_;  ///< by need
 };
 
 }  // namespace

@@ -20,12 +20,6 @@ struct StoreOptions {
 [[nodiscard]] std::unique_ptr<LayerSink> make_store_sink(const std::filesystem::path& build,
                                                          const StoreOptions& options = {});
 
-/// Layers [first, last) of a build.
-struct LayerRange {
-  std::uint32_t first = 0;
-  std::uint32_t last = UINT32_MAX;
-};
-
 /// A build on disk, opened for reading. Every shard's checksum is verified before its layers are handed out.
 class StoreReader {
  public:
@@ -43,6 +37,7 @@ class StoreReader {
   void check_links() const;
 
   /// Streams the layers of `range` to `sink` in increasing z: begin, prepare and its rest ..., finish; on all cores.
+  /// begin() gets info() with `range` as what is given.
   void replay(LayerSink& sink, LayerRange range = {}, const Progress& progress = {}) const;
 
  private:

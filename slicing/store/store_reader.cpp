@@ -123,9 +123,11 @@ void StoreReader::replay(LayerSink& sink, LayerRange range, const Progress& prog
     throw UsageError("no layer in the range", data_->folder.string(),
                      "the build has " + std::to_string(count) + " layers, counted from 0");
   }
+  BuildInfo build = info();
+  build.given = {range.first, last};
   try {
-    sink.begin(info());
-    replay_layers(*this, sink, {range.first, last}, progress);
+    sink.begin(build);
+    replay_layers(*this, sink, build.given, progress);
     sink.finish(report());
   } catch (const Cancelled&) {
     throw;

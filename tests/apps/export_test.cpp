@@ -100,6 +100,22 @@ TEST_F(Export, PolyjetPicturesOfAnotherLatticeAreExitCodeOneAndWriteNothing) {
   EXPECT_FALSE(std::filesystem::exists(out));
 }
 
+TEST_F(Export, ARangeOfTooFewPolyjetSlicesLeavesAnEarlierStack) {
+  const auto fine = quoted(folder() / "fine");
+  const CommandResult sliced =
+      run_lamella("slice " + boxes() + " --dpi 600,300 --layer-height 0.027 -o " + fine + " --quiet");
+  ASSERT_EQ(sliced.exit_code, 0) << sliced.errors;
+  const auto out = folder() / "stack";
+  const std::string command = "export " + fine + " --to polyjet -o " + quoted(out) + " --layers ";
+  ASSERT_EQ(run_lamella(command + "20:50").exit_code, 0);
+  const std::string before = contents(out / "layers.csv");
+  const CommandResult refused = run_lamella(command + "50:79");
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_THAT(refused.errors, HasSubstr("at least 30 slices, here are 29"));
+  EXPECT_EQ(contents(out / "layers.csv"), before);
+  EXPECT_TRUE(std::filesystem::exists(out / "layer_29.png"));
+}
+
 TEST_F(Export, LayerRangesAreHalfOpen) {
   const auto out = folder() / "range";
   const CommandResult result =

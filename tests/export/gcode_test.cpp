@@ -311,6 +311,54 @@ TEST(GcodeText, RefusesAPlanThatLeavesSegmentsOut) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
+/// Number behind `key` in the header.
+double header_number(const std::string& text, const std::string& key) {
+  const std::size_t at = text.find("; " + key + " ");
+  return at == std::string::npos ? -1.0 : std::stod(text.substr(at + key.size() + 3));
+}
+
+TEST(GcodeText, HeaderOfARangeTellsWhatIsInTheFile) {
+  const Machine machine = machine_with(GcodeFlavor::marlin, true, true);
+  Hatched build(Vec3(100.0, 50.0, 0.0));
+  const BuildPlan plan = build.plan(machine);
+  build.info.given = {2, 4};
+  const test::TemporaryFolder folder;
+  const auto sink = make_gcode_sink(folder / "f.gcode", {plan, machine});
+  sink->begin(build.info);
+  for (int k = 2; k < 4; ++k) sink->write(build.layers[static_cast<std::size_t>(k)]);
+  sink->finish({});
+  std::ifstream stream(folder / "f.gcode");
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  EXPECT_DOUBLE_EQ(header_number(text, "layers:"), 2.0);
+  EXPECT_THAT(text, HasSubstr("; of the build's 6 layers only 2 to 3: "));
+  EXPECT_THAT(text, HasSubstr("; WARNING: begins at Z0.4000, on top of layer 1: "));
+  const double before = plan.layers[2].steps.front().change_time;
+  EXPECT_NEAR(header_number(text, "time:"), plan.layers[2].time + plan.layers[3].time - before, 0.051);
+  // The rest as the moves have it.
+  const GcodeFile file = test::GcodeReader().read(text);
+  EXPECT_DOUBLE_EQ(header_number(text, "tool changes:"), static_cast<double>(file.tools.size()) - 1.0);
+  double length = 0.0;
+  for (const GcodeMove& move : file.moves) {
+    if (move.moves() && move.filament > 0.0) length += (move.to - move.from).norm();
+  }
+  double told = 0.0;
+  for (std::size_t at = text.find(", tracks "); at != std::string::npos; at = text.find(", tracks ", at + 1)) {
+    told += std::stod(text.substr(at + 9));
+  }
+  EXPECT_NEAR(told, length, 0.01 * length / 100.0);
+  EXPECT_LT(told, 0.5 * (plan.materials[0].length + plan.materials[1].length + plan.materials[2].length));
+}
+
+TEST(GcodeText, HeaderOfAWholeBuildHasNoRange) {
+  const Machine machine = machine_with(GcodeFlavor::marlin, true, true);
+  const Hatched build(Vec3(100.0, 50.0, 0.0));
+  const std::string text = build.text(machine);
+  EXPECT_DOUBLE_EQ(header_number(text, "layers:"), 6.0);
+  EXPECT_DOUBLE_EQ(header_number(text, "tool changes:"), static_cast<double>(build.plan(machine).tool_changes));
+  EXPECT_EQ(text.find("WARNING"), std::string::npos);
+  EXPECT_EQ(text.find("of the build's"), std::string::npos);
+}
+
 template <class Failure>
 void expect_refused(const Hatched& build, const BuildPlan& plan, const Machine& machine, const char* mentions) {
   const test::TemporaryFolder folder;

@@ -136,6 +136,22 @@ TEST(Polyjet, ARangeOfTooFewSlicesIsAnError) {
   EXPECT_THROW(feed(*make_polyjet_sink(folder / "out"), info, {layers[3], layers[4]}), UsageError);
 }
 
+TEST(Polyjet, ARangeOfTooFewSlicesLeavesAnEarlierStack) {
+  const TemporaryFolder folder;
+  BuildInfo info = make_build(printer_grid(), {"a"});
+  feed(*make_polyjet_sink(folder / "out"), info, random_layers(info));
+  for (const LayerRange range : {LayerRange{3, 5}, LayerRange{3, 32}, LayerRange{20, 900}}) {
+    info.given = range;
+    const auto sink = make_polyjet_sink(folder / "out");
+    EXPECT_THROW(sink->begin(info), UsageError);
+    sink->abandon();
+  }
+  std::string labels;
+  EXPECT_EQ(read_with_python("polyjet", folder / "out", info, labels), "RGBA 53 21 32 opaque\n");
+  info.given = {2, 900};  // 30 slices
+  EXPECT_NO_THROW(make_polyjet_sink(folder / "out")->begin(info));
+}
+
 TEST(Sl1, EachMaterialIsAnArchiveOfMasks) {
   const TemporaryFolder folder;
   const BuildInfo info = make_build(printer_grid(), {"hard", "soft"});
@@ -216,6 +232,37 @@ TEST(Sl1, ThickerLayersAreRepeatedAndTheBytesAreAlwaysTheSame) {
   EXPECT_EQ(bytes_of(folder / "a/soft.sl1"), bytes_of(folder / "b/soft.sl1"));
 }
 
+TEST(Sl1, RefusesAFolderWithOtherFilesAndLeavesItAlone) {
+  const TemporaryFolder folder;
+  const BuildInfo info = make_build(printer_grid(), {"hard", "soft"});
+  const auto layers = random_layers(info);
+  feed(*make_sl1_sink(folder / "out"), info, layers);
+  std::ofstream(folder / "out/soft.sl1.part-7-0") << "of a killed run";
+  feed(*make_sl1_sink(folder / "out"), info, layers);  // what this build writes may be there
+  const std::string before = bytes_of(folder / "out/soft.sl1");
+  BuildInfo other = info;
+  other.materials[MaterialId{0}].name = "tough";
+  EXPECT_THROW(make_sl1_sink(folder / "out")->begin(other), ExportError);
+  EXPECT_FALSE(fs::exists(folder / "out/tough.sl1"));
+  std::ofstream(folder / "out/thesis.txt") << "years of work";
+  EXPECT_THROW(make_sl1_sink(folder / "out")->begin(info), ExportError);
+  EXPECT_EQ(bytes_of(folder / "out/soft.sl1"), before);
+  EXPECT_TRUE(fs::exists(folder / "out/thesis.txt"));
+}
+
+TEST(Sl1, ARunThatFailsAmongItsArchivesLeavesNoneOfThem) {
+  const TemporaryFolder folder;
+  const BuildInfo info = make_build(printer_grid(), {"hard", "soft"});
+  const auto sink = make_sl1_sink(folder / "out");
+  sink->begin(info);
+  for (const Layer& layer : random_layers(info)) sink->write(layer);
+  fs::create_directory(folder / "out/soft.sl1");
+  EXPECT_THROW(sink->finish({}), ExportError);
+  EXPECT_TRUE(fs::exists(folder / "out/hard.sl1"));
+  sink->abandon();
+  EXPECT_FALSE(fs::exists(folder / "out/hard.sl1"));
+}
+
 TEST(Sl1, AnEndedRunLeavesNoArchive) {
   const TemporaryFolder folder;
   const BuildInfo info = make_build(printer_grid(), {"hard", "soft"});
@@ -224,7 +271,10 @@ TEST(Sl1, AnEndedRunLeavesNoArchive) {
     sink->begin(info);
     sink->write(random_layers(info)[0]);
   }
-  EXPECT_TRUE(fs::is_empty(folder / "out"));
+  EXPECT_FALSE(fs::exists(folder / "out"));
+  fs::create_directory(folder / "before");
+  make_sl1_sink(folder / "before")->begin(info);
+  EXPECT_TRUE(fs::is_empty(folder / "before"));
   std::ofstream(folder / "file") << "x";
   EXPECT_THROW(make_sl1_sink(folder / "file")->begin(info), ExportError);
 }

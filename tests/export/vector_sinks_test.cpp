@@ -113,6 +113,38 @@ TEST(VectorSinks, ARunThatEndsEarlyLeavesNoFile) {
   }
 }
 
+TEST(VectorSinks, ACancelledRunOfSlcLeavesNoFolderOfItsOwn) {
+  const Sample sample;
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "before");
+  for (const char* name : {"new", "before"}) {
+    const auto sink = make_slc_sink(folder / name);
+    sink->begin(sample.info);
+    sink->write(sample.layers[0]);
+  }
+  EXPECT_FALSE(fs::exists(folder / "new"));
+  EXPECT_TRUE(fs::is_empty(folder / "before"));
+}
+
+TEST(VectorSinks, AnSlcRunThatFailsAmongItsFilesLeavesNoneOfThem) {
+  const Sample sample;
+  const TemporaryFolder folder;
+  feed(*make_slc_sink(folder / "whole"), sample.info, sample.layers);
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder / "whole")) names.push_back(entry.path().filename().string());
+  ASSERT_EQ(names.size(), 2U);
+  for (std::size_t n = 0; n < 2; ++n) {  // the one that fails is the first or the second
+    const auto out = folder / ("out" + std::to_string(n));
+    const auto sink = make_slc_sink(out);
+    sink->begin(sample.info);
+    for (const Layer& layer : sample.layers) sink->write(layer);
+    fs::create_directory(out / names[n]);
+    EXPECT_THROW(sink->finish({}), ExportError);
+    sink->abandon();
+    EXPECT_FALSE(fs::exists(out / names[1 - n]));
+  }
+}
+
 TEST(VectorSinks, LayersThatDoNotFitTheirPlanAreRefused) {
   const Sample sample;
   for (const Sink& sink : kSinks) {

@@ -172,5 +172,14 @@ TEST(Volumes, RefusesTargetsThatAreNotPlainFilesAndSlicesThatAreTooLarge) {
   }
 }
 
+TEST(Volumes, AMetaImageHasNoControlCharacterInItsName) {
+  const TemporaryFolder folder;
+  for (const char* name : {"a\nb.mhd", "a\rb.mhd", "a\tb.mhd", "a\x7F.mhd", "\n.mhd"}) {
+    EXPECT_THROW(static_cast<void>(make_mhd_sink(folder / name)), UsageError) << name;
+    EXPECT_THROW(static_cast<void>(make_mhd_sink(folder / name, {.is_raw = true})), UsageError) << name;
+  }
+  EXPECT_NO_THROW(static_cast<void>(make_mhd_sink(folder / "line\nend" / "Geh\u00E4use b.mhd")));  // isn't told
+}
+
 }  // namespace
 }  // namespace lamella::test

@@ -137,6 +137,8 @@ TEST(Store, ReplaysARangeOfLayers) {
   const StoreReader reader(folder / "build");
   test::CollectingSink sink;
   reader.replay(sink, {1, 4});
+  EXPECT_EQ(sink.info.given.first, 1U);
+  EXPECT_EQ(sink.info.given.last, 4U);
   EXPECT_EQ(sink.layers, std::vector<Layer>(sample.layers.begin() + 1, sample.layers.begin() + 4));
   EXPECT_TRUE(sink.finished);
   EXPECT_THROW(reader.replay(sink, {5, 9}), UsageError);

@@ -382,6 +382,61 @@ describe('doubts', () => {
   });
 });
 
+describe('hostile names', () => {
+  /** The grip's page with every name in quotes that is a key of `names` replaced. */
+  const renamed = (file, names) => {
+    let page = readFileSync(place('grip.html'), 'utf8');
+    for (const [name, other] of Object.entries(names)) {
+      assert.ok(page.includes(JSON.stringify(name)), name);
+      page = page.replaceAll(JSON.stringify(name), () => JSON.stringify(other));
+    }
+    writeFileSync(place(file), page);
+    return file;
+  };
+
+  test('a long material leaves the columns in the panel', () =>
+    onPage(renamed('long.html', { 'TPE Thermolast K': 'M'.repeat(600) }), async (page) => {
+      const { right, cells } = await page.evaluate(() => {
+        const edge = (node) => node.getBoundingClientRect().right;
+        return {
+          right: edge(document.querySelector('aside')),
+          cells: [...document.querySelectorAll('#materials td')].map(edge),
+        };
+      });
+      assert.ok(cells.length >= 18, `${cells.length} cells`);
+      for (const cell of cells) assert.ok(cell <= right, `${cell} beyond ${right}`);
+    }));
+
+  test("a name's direction ends with the name", () => {
+    const { name } = grip.report.solids[grip.report.overlaps[0].solids[0]];
+    return onPage(renamed('turned_names.html', { [name]: `a\u2069\u202E${name}` }), async (page) => {
+      // The word behind the name, as it is seen: where its first and its last letter are.
+      const words = await page.evaluate(() =>
+        [...document.querySelectorAll('#report li')].flatMap((item) => {
+          const walker = document.createTreeWalker(item, NodeFilter.SHOW_TEXT);
+          for (let text = walker.nextNode(); text; text = walker.nextNode()) {
+            const at = text.data.lastIndexOf(' layers') + 1;
+            if (at === 0) continue;
+            const left = (i) => {
+              const range = new Range();
+              range.setStart(text, at + i);
+              range.setEnd(text, at + i + 1);
+              return range.getBoundingClientRect().left;
+            };
+            return [[left(0), left(5)]];
+          }
+          return [];
+        }),
+      );
+      assert.ok(words.length >= 1);
+      for (const [first, last] of words) assert.ok(first < last, `${first} ${last}`);
+      const labels = await page.locator('#report button').evaluateAll((all) => all.map((one) => one.ariaLabel));
+      const turned = labels.filter((label) => label.includes(name));
+      assert.ok(turned.length >= 1 && turned.every((label) => !label.includes('\u202E')), labels.join());
+    });
+  });
+});
+
 describe('for everyone', () => {
   test('every control has a name, and the picture says where it is', () =>
     onPage('grip.html', async (page) => {

@@ -1,5 +1,6 @@
 // Charts over the height z: steps, because a layer has one value.
 
+import { isolated } from './names.js';
 import { short, mm } from './planes.js';
 import { tickStep } from './overlay.js';
 
@@ -53,7 +54,7 @@ export class Chart {
 
   summary() {
     const largest = this.lines.map(
-      ({ name, values }) => `${name}: at most ${short(values.reduce((a, b) => Math.max(a, b), 0))}`,
+      ({ name, values }) => `${isolated(name)}: at most ${short(values.reduce((a, b) => Math.max(a, b), 0))}`,
     );
     return `${this.label} over height z in mm. ${largest.join('; ')}`;
   }

@@ -6,6 +6,7 @@ import { Palette } from './colors.js';
 import { fillHelp, listenForKeys } from './keys.js';
 import { findingMarks, pairMarks } from './marks.js';
 import { byId, describe, fillReport, MaterialList, showPoint } from './panel.js';
+import { isolated, nameNode } from './names.js';
 import { PlaneView } from './plane_view.js';
 import { mm, planesOf, short } from './planes.js';
 import { turnText } from './turn.js';
@@ -48,8 +49,8 @@ class Page {
     const { build } = this;
     const { pitch, size } = build.grid;
     const name = build.sources.map((source) => source.split('/').pop()).join(', ') || 'build';
-    document.title = `${name} \u2013 Lamella`;
-    byId('title').textContent = name;
+    document.title = `${isolated(name)} \u2013 Lamella`;
+    byId('title').replaceChildren(nameNode(name));
     const shown =
       build.count === build.layers.planned
         ? `${build.count} layers`

@@ -1,6 +1,7 @@
 // The column beside the picture: materials, what is under the pointer, the report.
 
 import { fractionsAt } from './colors.js';
+import { isolated, joined, nameNode } from './names.js';
 import { mm, segmentAt, short } from './planes.js';
 
 export const byId = (id) => document.getElementById(id);
@@ -53,9 +54,9 @@ export class MaterialList {
     this.boxes.push(box);
     const area = node('td', { class: 'number' });
     this.areas.push(area);
-    const parts = material.components?.map((component) => this.build.materials[component].name).join(' + ');
-    const label = node('label', { for: box.id }, swatch(material.color), material.name);
-    if (parts) label.append(node('small', {}, `mixed of ${parts}`));
+    const parts = material.components?.map((component) => nameNode(this.build.materials[component].name));
+    const label = node('label', { for: box.id }, swatch(material.color), nameNode(material.name));
+    if (parts) label.append(node('small', {}, 'mixed of ', ...joined(parts, ' + ')));
     // Volumes are those of plain materials; a graded one has none of its own.
     const volume = material.components ? '\u2013' : short(material.volume ?? 0);
     return node('tr', {}, node('td', {}, box, label), area, node('td', { class: 'number' }, volume));
@@ -89,7 +90,7 @@ export class MaterialList {
   }
 }
 
-/** What is under the pointer, as pairs of term and text; null without a pointer. */
+/** What is under the pointer, as pairs of term and text or nodes; null without a pointer. */
 export function describe(build, plane, place, probe, usePixels) {
   if (!probe) return null;
   const voxel = plane.voxel(place, probe.h, probe.v);
@@ -124,15 +125,21 @@ function withSegment(build, { data, i, code }, rows) {
   const material = build.materials[chunk.material[i]];
   const solid = build.solids[chunk.solid[i]];
   const [from, to] = [build.x(chunk.begin[i]), build.x(chunk.end[i])];
-  rows.push(['material', material.name, material.color], ['solid', solid.name || solid.path]);
+  rows.push(['material', nameNode(material.name), material.color], ['solid', nameNode(solid.name || solid.path)]);
   rows.push(['segment', `x ${fine(from)} to ${fine(to)} mm, ${fine(to - from)} mm long`]);
   const mix = fractionsAt(build, chunk, i, code);
   if (mix)
     rows.push([
       'mixture',
-      mix.map(({ material: m, share }) => `${(100 * share).toFixed(1)} % ${build.materials[m].name}`).join(', '),
+      joined(
+        mix.map(({ material: m, share }) => [`${(100 * share).toFixed(1)} % `, nameNode(build.materials[m].name)]),
+        ', ',
+      ).flat(),
     ]);
-  return { rows, say: `${material.name}, solid ${solid.name}, x from ${fine(from)} to ${fine(to)} mm` };
+  return {
+    rows,
+    say: `${isolated(material.name)}, solid ${isolated(solid.name)}, x from ${fine(from)} to ${fine(to)} mm`,
+  };
 }
 
 /** mm to a nanometre: codes are finer than a thousandth of a pixel. */
@@ -148,7 +155,7 @@ export function showPoint(root, told) {
     ...rows.flatMap(([term, text, color]) => {
       const value = node('dd', term ? {} : { class: 'hint' });
       if (color) value.append(swatch(color));
-      value.append(text);
+      value.append(...[text].flat());
       return [...(term ? [node('dt', {}, term)] : []), value];
     }),
   );
@@ -184,8 +191,10 @@ export function fillReport(root, build, marks, findings, lead) {
 
 function markItem(mark, lead) {
   const width = mark.width > 0 ? `, up to ${short(mark.width)} mm` : '';
-  const text = `${mark.word} of ${mark.names[0]} and ${mark.names[1]}: ${short(mark.volume)} mm\u00B3${width}, in ${mark.layers} layers`;
-  const item = node('li', { class: mark.kind }, text);
+  const figures = `${short(mark.volume)} mm\u00B3${width}, in ${mark.layers} layers`;
+  const [a, b] = mark.names;
+  const item = node('li', { class: mark.kind }, `${mark.word} of `, nameNode(a), ' and ', nameNode(b), `: ${figures}`);
+  const text = `${mark.word} of ${isolated(a)} and ${isolated(b)}: ${figures}`;
   if (mark.isThin) item.append(node('small', {}, ' (too thin to draw)'));
   if (mark.box)
     item.append(
@@ -196,13 +205,15 @@ function markItem(mark, lead) {
 }
 
 function findingItem(finding, lead) {
-  const where = [finding.solid, finding.face, finding.entity].filter(Boolean).join(', ');
+  const where = joined([finding.solid, finding.face, finding.entity].filter(Boolean).map(nameNode), ', ');
   const item = node(
     'li',
     { class: `finding ${finding.severity}` },
-    `${finding.severity}: ${where ? `${where}: ` : ''}${finding.what}`,
+    `${finding.severity}: `,
+    ...(where.length ? [...where, ': '] : []),
+    nameNode(finding.what),
   );
-  if (finding.hint) item.append(node('small', {}, ` ${finding.hint}`));
+  if (finding.hint) item.append(node('small', {}, ' ', nameNode(finding.hint)));
   if (finding.layer !== null)
     item.append(
       ' ',

@@ -19,9 +19,11 @@
 namespace lamella {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::Field;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 Machine shipped(const std::string& name) { return read_machine(test::datasets_dir() / "machines" / (name + ".xml")); }
 
@@ -286,6 +288,33 @@ TEST(BuildPlan, RefusesWhatTheMachineCannotDo) {
   Machine dark = shipped("multi_vat");
   dark.settings = {};
   EXPECT_THAT(message(Blocks({"#"}, {"a"}, 0.1), dark), HasSubstr("exposure"));
+}
+
+TEST(BuildPlan, NamesTheToolsThatLayersAreTooThickFor) {
+  const auto failure = [](const Blocks& blocks, const Machine& machine) -> std::string {
+    try {
+      (void)blocks.plan(machine);
+      return "";
+    } catch (const InputError& error) {
+      return error.what() + ("; " + error.hint());
+    }
+  };
+  Machine machine = plain_machine();
+  const std::string soft = "'" + machine.tools[ToolId{0}].name + "' lays 0.1 to 0.15 mm";
+  machine.tools[ToolId{0}].layer_max = 0.15;
+  const Blocks both({"#", "#"}, {"a", "b"}, 0.3);
+  EXPECT_THAT(failure(both, machine),
+              AllOf(HasSubstr("the layer is 0.3 mm thick"), HasSubstr("thickness alone bars tools: " + soft),
+                    HasSubstr("--layer-height"), Not(HasSubstr("more tools"))));
+  machine.allows_reloading = false;
+  const Blocks one_by_one({"#.", ".#"}, {"a", "b"}, 0.3);
+  EXPECT_THAT(failure(one_by_one, machine),
+              AllOf(HasSubstr("thickness alone bars tools: " + soft), HasSubstr("--layer-height")));
+  // Where no thickness would do it is the number of tools.
+  const Blocks three({"#", "#", "#"}, {"a", "b", "c"}, 0.3);
+  EXPECT_THAT(failure(three, machine), AllOf(HasSubstr("more tools"), Not(HasSubstr(soft))));
+  machine.tools[ToolId{0}].layer_max.reset();
+  EXPECT_EQ(failure(both, machine), "");
 }
 
 TEST(BuildPlan, SaysWhatDoesNotFit) {
