@@ -33,6 +33,11 @@ ExitCode run(const Session& session, const ExportOptions& options) {
   if (session.json()) session.print(files_json(options.output.format, files));
   session.print(fmt::format("{}: {} layers, {} files, {} in {}\n", options.output.format, range.last - range.first,
                             files.size(), short_bytes(total_bytes(files)), options.output.path.string()));
+  if (options.output.format == "gcode" && range.first > 0) {
+    session.warn(
+        {Finding{Severity::warning, "", "", "", "the file begins in the air, at layer " + std::to_string(range.first),
+                 "print it on top of the layers below, or export them too"}});
+  }
   if (!reader.report().within_budget()) session.warn(reader.report().findings);
   return reader.report().within_budget() ? ExitCode::ok : ExitCode::budget;
 }

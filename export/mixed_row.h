@@ -22,7 +22,7 @@ struct MixedRun {
   PixelRun pixels;
   SolidId solid;
   MaterialId material;  ///< of the segment
-  double x_begin;  ///< of the segment, mm
+  double x_begin;       ///< of the segment, mm
   double x_end;
   std::span<const MaterialId> materials;  ///< the components, or the one material of a segment that isn't graded
   std::span<const float> fractions;  ///< at the pixels' centres: those of the first material, then of the second ...

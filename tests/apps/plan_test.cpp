@@ -292,6 +292,15 @@ TEST_F(ReadGcode, ByPrintrunHasThePlansToolsLayersAndLengths) {
   compare("/usr/bin/python3 " + quoted(source_dir() / "tests/apps/read_gcode.py"));
 }
 
+TEST_F(ReadGcode, OfARangeThatBeginsInTheAirIsWarnedOf) {
+  const std::string options = gcode_options(folder(), build());
+  const std::string command = "export " + build() + " --to gcode -o " + quoted(folder() / "r.gcode") + options;
+  const CommandResult above = run_lamella(command + " --layers 5:8");
+  EXPECT_EQ(above.exit_code, 0) << above.errors;
+  EXPECT_THAT(above.errors, ::testing::HasSubstr("in the air, at layer 5"));
+  EXPECT_EQ(run_lamella(command + " --layers 0:3").errors.find("in the air"), std::string::npos);
+}
+
 // gcode-toolpath draws the ways of milling machines.
 TEST_F(ReadGcode, ByGcodeToolpathHasThePlansToolsLayersAndLengths) {
   if (!std::filesystem::exists(source_dir() / "tests/export/node_modules/gcode-toolpath")) {

@@ -1,4 +1,6 @@
 // Reads G-code with gcode-toolpath: layers, tool changes, length of tracks by tool, extents. One JSON object.
+// Lines of M204 are left out: to a milling machine their T, the acceleration of travel, is a tool.
+import { readFileSync } from "node:fs";
 import Toolpath from "gcode-toolpath";
 
 const length = {};
@@ -24,7 +26,8 @@ const toolpath = new Toolpath({
     }
   },
 });
-toolpath.loadFromFile(process.argv[2], (error) => {
+const text = readFileSync(process.argv[2], "utf8").replaceAll(/^M204 .*$/gm, "");
+toolpath.loadFromString(text, (error) => {
   if (error) throw error;
   console.log(JSON.stringify({ layers: heights.size, changes, length, box }));
 });
