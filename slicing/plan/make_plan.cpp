@@ -71,9 +71,10 @@ class Planner {
     for (const LayerSpan& span : info_.plan.layers) {
       const std::string fault = layer_height_fault(machine_, span.z_top - span.z_bottom);
       if (fault.empty()) continue;
-      throw InputError(
-          "the build's layers of " + format_double(span.z_top - span.z_bottom) + " mm don't suit the machine: " + fault,
-          machine_.source, "slice again with --machine");
+      // Without the rounding of both borders.
+      const double thickness = std::round(1e6 * (span.z_top - span.z_bottom)) / 1e6;
+      throw InputError("the build's layers of " + format_double(thickness) + " mm don't suit the machine: " + fault,
+                       machine_.source, "slice again with --machine");
     }
   }
 
