@@ -169,6 +169,15 @@ def table_broken(studies):
                   "file's tolerance"], [row for _, row in rows])
 
 
+def table_sections(lines):
+    """The rows of compare_sections, without the number of solids that OpenCASCADE reads otherwise."""
+    rows = [[cell.strip() for cell in line.strip().strip("|").split("|")] for line in lines if line.startswith("| `")]
+    rows = [row[:2] + row[3:] for row in sorted(rows)]
+    return table(
+        ["model", "solids", "sections", "OCCT: open", "relative, median", "largest", "offset, largest", "file's tolerance"],
+        [["0" if cell == "0.0e+00" else cell for cell in row] for row in rows])
+
+
 def put_tables(page, tables):
     """Replaces what stands between the marks of each table."""
     text = page.read_text()
@@ -235,13 +244,17 @@ def main():
         raise SystemExit(f"no JSON files in {folder}")
     lines = [f"{json.dumps(name)}: {json.dumps(study, separators=(',', ':'))}" for name, study in studies.items()]
     (docs / "accuracy" / "results.json").write_text("{\n" + ",\n".join(lines) + "\n}\n")
-    put_tables(docs / "accuracy.md", {
+    tables = {
         "medians": table_medians(studies),
         "fine": table_at(studies, 0.01),
         "direct": table_direct(studies),
         "broken": table_broken(studies),
         "lattices": table_lattices(studies),
-    })
+    }
+    sections = folder / "sections.txt"
+    if sections.exists():
+        tables["sections"] = table_sections(sections.read_text().splitlines())
+    put_tables(docs / "accuracy.md", tables)
     draw(studies, docs / "images" / "accuracy.svg")
 
 
