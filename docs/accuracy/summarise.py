@@ -170,9 +170,9 @@ def table_broken(studies):
 
 
 def table_sections(lines):
-    """The rows of compare_sections, without the number of solids that OpenCASCADE reads otherwise."""
+    """The rows of compare_sections; solids that OpenCASCADE reads otherwise aren't compared and don't count."""
     rows = [[cell.strip() for cell in line.strip().strip("|").split("|")] for line in lines if line.startswith("| `")]
-    rows = [row[:2] + row[3:] for row in sorted(rows)]
+    rows = [[row[0], str(int(row[1]) - int(row[2]))] + row[3:] for row in sorted(rows)]
     return table(
         ["model", "solids", "sections", "OCCT: open", "relative, median", "largest", "offset, largest", "file's tolerance"],
         [["0" if cell == "0.0e+00" else cell for cell in row] for row in rows])
