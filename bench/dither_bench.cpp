@@ -76,11 +76,16 @@ void dither_layer(benchmark::State& state) {
   report(state);
 }
 
+/// Rows of equal fractions of all materials, for which the mask is left as it is.
+std::vector<float> make_even(std::size_t materials) {
+  return std::vector<float>(kRows * materials * kColumns, 1.0F / static_cast<float>(materials));
+}
+
 /// Rows, and tiles settled.
-void dither_bands(benchmark::State& state, bool is_slope) {
+void dither_bands(benchmark::State& state, std::vector<float> (*make_rows)(std::size_t)) {
   const auto materials = static_cast<std::size_t>(state.range(0));
   const DitherMask mask(Vec3(0.042, 0.084, 0.027));
-  const std::vector<float> rows = is_slope ? make_slope(materials) : draw_rows(materials);
+  const std::vector<float> rows = make_rows(materials);
   DitherBand band(mask);
   std::int64_t layer = 0;
   for (auto _ : state) {
@@ -120,8 +125,9 @@ BENCHMARK_CAPTURE(make_mask, rods, 100, 1, 1)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(make_mask, sheets, 1, 1, 100)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(make_mask, needles, 1, 100, 100)->Unit(benchmark::kMillisecond);
 BENCHMARK(dither_layer)->Arg(2)->Arg(3)->Arg(4)->Arg(8)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(dither_bands, slope, true)->Arg(2)->Arg(3)->Arg(4)->Arg(8)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(dither_bands, random, false)->Arg(2)->Arg(4)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(dither_bands, even, make_even)->Arg(2)->Arg(3)->Arg(4)->Arg(8)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(dither_bands, slope, make_slope)->Arg(2)->Arg(3)->Arg(4)->Arg(8)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(dither_bands, random, draw_rows)->Arg(2)->Arg(4)->Unit(benchmark::kMillisecond);
 BENCHMARK(diffuse_layer)->Unit(benchmark::kMillisecond);
 
 }  // namespace

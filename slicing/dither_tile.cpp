@@ -68,10 +68,11 @@ void DitherTile::settle(const DitherMask& mask, const TileIndex& at) {
     const float* const first = row.data() + DitherMask::index(at.column * DitherTile::kSide);
     std::copy_n(first, kSide, thresholds_.begin() + j * kSide);
   }
-  find_neighbours();
+  has_neighbours_ = false;
   share_.fill(0.0F);
   // Over 32 layers each rounding once, in another order for each column of tiles.
-  const float rounding = (static_cast<float>(mask.rank_in_column({at.column, at.row, at.layer})) + 0.5F) / 32.0F;
+  const float rounding = (static_cast<float>(mask.rank_in_column({at.column, at.row, at.layer})) + 0.5F) /
+                         static_cast<float>(DitherMask::kSide);
   for (std::size_t m = 0; m + 1 < materials_; ++m) {
     const std::span<const float, kVoxels> fractions = this->fractions(m);
     for (std::size_t v = 0; v < kVoxels; ++v) share_[v] += fractions[v] > 0.0F ? fractions[v] : 0.0F;
@@ -80,6 +81,7 @@ void DitherTile::settle(const DitherMask& mask, const TileIndex& at) {
 }
 
 void DitherTile::find_neighbours() {
+  has_neighbours_ = true;
   neighbours_.before.fill(-1);
   neighbours_.after.fill(-1);
   for (std::size_t n = 0; n < materials_; ++n) {
@@ -142,6 +144,7 @@ bool DitherTile::is_oblique() const {
 
 void DitherTile::settle_border(std::int32_t material, float rounding) {
   if (!is_oblique()) return;
+  if (!has_neighbours_) find_neighbours();
   const Sums sums = add_up(material);
   const auto target = static_cast<std::int32_t>(sums.share + rounding);
   Evenness evenness = sums.evenness;

@@ -77,6 +77,7 @@ class DitherTile {
   std::vector<float> fractions_;
   std::array<std::int32_t, kVoxels> chosen_{};
   Neighbours neighbours_{};
+  bool has_neighbours_ = false;
   std::array<float, kVoxels> thresholds_{};
   std::array<float, kVoxels> share_{};  ///< sum of the fractions of the materials before a border
 };

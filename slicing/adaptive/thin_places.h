@@ -4,27 +4,11 @@
 #include <vector>
 
 #include "slicing/adaptive/face_slants.h"
+#include "slicing/adaptive/layer_reach.h"
 #include "slicing/adaptive/ridge_slants.h"
 #include "slicing/adaptive/slant_profile.h"
 
 namespace lamella {
-
-/// How far apart the middles of two neighbouring layers may be: what the profile lets layers have there.
-class LayerReach {
- public:
-  /// Layers are at most `thickest` mm thick and deviate by at most `deviation` mm. The profile must be finished.
-  LayerReach(const SlantProfile& profile, double deviation, double thickest);
-
-  /// Largest distance in mm between the middles of a layer that has one of these heights and a neighbour.
-  [[nodiscard]] double at(const Interval& z) const;
-  [[nodiscard]] double largest() const { return largest_; }
-
- private:
-  double bottom_;
-  double width_;
-  double largest_ = 0.0;
-  std::vector<double> reach_;  ///< mm, of each bin
-};
 
 /// A part of a surface with another part of it, facing the other way, straight above or below: layers may lose it.
 struct ThinPlace {

@@ -2,8 +2,10 @@
 /// decoders of our own in Python, and compared with the build voxel by voxel (check_*.py beside this file).
 
 #include <filesystem>
+#include <fstream>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <iterator>
 #include <regex>
 #include <string>
 #include <vector>
@@ -28,6 +30,15 @@ std::string step_of(const std::string& name) {
 class VectorFormat : public ::testing::Test {
  protected:
   [[nodiscard]] fs::path path(const std::string& name) const { return folder_ / name; }
+
+  /// How often a word stands in a file.
+  [[nodiscard]] std::size_t count_of(const std::string& word, const std::string& name) const {
+    std::ifstream stream(path(name), std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(stream), {}};
+    std::size_t count = 0;
+    for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) ++count;
+    return count;
+  }
 
   void slice(const std::string& name, const std::string& options) const {
     const CommandResult run =
@@ -280,6 +291,8 @@ TEST_F(VectorFormat, StepOfCurvesIsReadByGmshAndHasEveryCurveAndHatch) {
   slice("overmoulded_grip",
         "--layer-height 4 --pitch 0.8 --hatch-spacing 1.5 --hatch-angle 30 --curves --contours 0.1");
   EXPECT_EQ(export_to("step", "a.step", "--step-hatches").exit_code, 0);
+  // Its chamfers lean.
+  EXPECT_GT(count_of("RATIONAL_B_SPLINE_CURVE", "a.step"), 20U);
   expect_judged("check_step_curves.py", "a.step");
   slice("interpenetrating_bodies",
         "--layer-height 1.3 --pitch 0.3 --hatch-spacing 1 --curves --step-hatches --step " + quoted(path("b.step")));

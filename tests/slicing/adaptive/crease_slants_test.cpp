@@ -7,6 +7,7 @@
 
 #include "model/measure.h"
 #include "slicing/adaptive/adaptive_plan.h"
+#include "tests/slicing/adaptive/plan_of_scene.h"
 #include "tests/support/patch_solids.h"
 
 namespace lamella::test {
@@ -99,23 +100,9 @@ TEST(FaceSlants, HaveTheFacesOwnNormalsAtItsBorder) {
   EXPECT_NEAR(beyond.axis.dot(normal), 1.0, 1e-6);
 }
 
-/// Plans layers of the only material of a scene from its lowest point.
-AdaptivePlan plan_layers_of(const Scene& scene, double deviation, double least, double most, double step) {
-  MaterialTable table;
-  table.materials.push_back({"Resin", std::nullopt});
-  table.assignments.push_back({MaterialId{0}, 0, "test"});
-  const auto measures = measure_solids(scene);
-  AdaptiveOptions options;
-  options.deviation = deviation;
-  options.range = Interval{least, most};
-  options.step = step;
-  const std::vector<SolidId> solids{SolidId{0}};
-  return plan_adaptive_layers(scene, table, measures, solids, measures[SolidId{0}].bounds.min().z(), options);
-}
-
 TEST(CreaseSlants, LayersEndAtAValleyInsideAFace) {
   // Flat are the upper rims at 4, the valley at 1.3 and the lower face's keel at -18.7.
-  const AdaptivePlan plan = plan_layers_of(below(folded({{4, 4, 4}, {1.3, 1.3, 1.3}, {4, 4, 4}})), 0.4, 0.2, 0.7, 0.1);
+  const AdaptivePlan plan = plan_of_scene(below(folded({{4, 4, 4}, {1.3, 1.3, 1.3}, {4, 4, 4}})), 0.4, 0.2, 0.7, 0.1);
   EXPECT_LE(plan.largest_deviation, 0.4 + 1e-9);
   std::vector<double> heights;
   for (const MetFeature& met : plan.features) heights.push_back(met.feature.z);
@@ -131,7 +118,7 @@ TEST(CreaseSlants, LayersEndAtAValleyInsideAFace) {
 // surface falls. Neither the ridge nor the border is level there, and each patch with the side has no vertical between.
 TEST(CreaseSlants, LayersEndWhereACreaseEndsInAPeakAtTheBorder) {
   const auto peaks = folded({{0, 0, 0}, {6, 3, 1}, {0, 0, 0}, {1, 9, 1}, {0, 0, 0}});
-  const AdaptivePlan plan = plan_layers_of(below(peaks), 0.4, 0.2, 0.7, 0.1);
+  const AdaptivePlan plan = plan_of_scene(below(peaks), 0.4, 0.2, 0.7, 0.1);
   std::vector<double> heights;
   for (const MetFeature& met : plan.features) heights.push_back(met.feature.z);
   EXPECT_THAT(heights, Contains(DoubleNear(6.0, 1e-6)));
@@ -142,7 +129,7 @@ TEST(CreaseSlants, LayersEndWhereACreaseEndsInAPeakAtTheBorder) {
 // The same where the border rises on: the crease's end is no extremum.
 TEST(CreaseSlants, ACreaseThatEndsInASlopeIsNoFeature) {
   const auto slope = folded({{0, 0, 0}, {6, 3, 1}, {8, 4, 2}, {1, 9, 1}, {0, 0, 0}});
-  const AdaptivePlan plan = plan_layers_of(below(slope), 0.4, 0.2, 0.7, 0.1);
+  const AdaptivePlan plan = plan_of_scene(below(slope), 0.4, 0.2, 0.7, 0.1);
   std::vector<double> heights;
   for (const MetFeature& met : plan.features) heights.push_back(met.feature.z);
   EXPECT_THAT(heights, Not(Contains(DoubleNear(6.0, 1e-6))));

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "slicing/adaptive/adaptive_plan.h"
+#include "tests/slicing/adaptive/plan_of_scene.h"
 #include "tests/support/patch_solids.h"
 #include "tests/support/solid_builder.h"
 #include "tests/support/solids.h"
@@ -108,22 +109,10 @@ double surface_deviation(const Polygon& profile, const std::vector<LayerSpan>& l
   return most;
 }
 
-AdaptivePlan plan_of(const Scene& scene, double deviation, double least, double most, double step) {
-  MaterialTable table;
-  table.materials.push_back({"Resin", std::nullopt});
-  table.assignments.push_back({MaterialId{0}, 0, "test"});
-  const auto measures = measure_solids(scene);
-  AdaptiveOptions options;
-  options.deviation = deviation;
-  options.range = Interval{least, most};
-  options.step = step;
-  return plan_adaptive_layers(scene, table, measures, {{SolidId{0}}}, measures[SolidId{0}].bounds.min().z(), options);
-}
-
 AdaptivePlan plan_of(const Polygon& profile, double deviation, double least, double most, double step) {
   Scene scene;
   add_prism(scene, profile);
-  return plan_of(scene, deviation, least, most, step);
+  return plan_of_scene(scene, deviation, least, most, step);
 }
 
 Polygon moved(Polygon polygon, double angle, const Vec2& by) {
