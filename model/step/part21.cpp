@@ -47,7 +47,6 @@ const Value& Part::operator[](std::size_t i) const {
 Part21::Part21(std::string_view text, const Progress& progress) : text_(text) { index(progress); }
 
 void Part21::add_fault(int line, int entity, std::string what) {
-  ++fault_count_;
   if (faults_.size() < kMaxFaults) faults_.push_back({line, entity, std::move(what)});
 }
 
@@ -63,9 +62,7 @@ void Part21::index(const Progress& progress) {
     const std::string_view words = text_.substr(statement.begin, statement.end - statement.begin);
     if (!seen_any_) recognised_ = words == "ISO-10303-21";
     seen_any_ = true;
-    const std::size_t before = fault_count_;
     index_statement(statement.begin, statement.end, statement.line);
-    if (fault_count_ > before) damaged_.emplace_back(statement.begin, statement.end + 1);
     if (statement.end >= next_report) {
       progress.throw_if_cancelled();
       progress.report("reading", 0.3 * static_cast<double>(statement.end) / static_cast<double>(text_.size()));
@@ -92,8 +89,9 @@ void Part21::index_statement(std::size_t begin, std::size_t end, int line) {
 }
 
 void Part21::index_header(std::string_view statement) {
-  Parser parser(statement);
-  for (const Part& part : parser.parts()) {
+  const std::vector<Part> parts = Parser(statement).parts();
+  if (!parts.empty()) header_.push_back(statement);
+  for (const Part& part : parts) {
     if (part.keyword != "FILE_SCHEMA" || part[0].items.empty()) continue;
     schema_ = decode_string(part[0].items.front().text);
   }
@@ -121,13 +119,6 @@ void Part21::index_entity(std::string_view statement, std::size_t begin, int lin
       "an attribute is no value (a number that is malformed, infinite or none?), or something follows the entity"};
 }
 
-void Part21::blank_faults(std::string& text) const {
-  for (const auto& [begin, end] : damaged_) {
-    const auto stop = static_cast<std::ptrdiff_t>(std::min(text.find(';', end - 1) + 1, text.size()));
-    std::fill(text.begin() + static_cast<std::ptrdiff_t>(begin), text.begin() + stop, ' ');
-  }
-}
-
 void Part21::blank_entity(std::string& text, int number) const {
   const Entity* entity = find(number);
   if (entity == nullptr) return;
@@ -153,7 +144,11 @@ std::vector<int> Part21::with_keyword(const std::string& keyword) const {
 
 std::vector<Part> Part21::parts(int number) const {
   const Entity* entity = find(number);
-  return entity == nullptr ? std::vector<Part>() : Parser(text_.substr(entity->begin, entity->size)).parts();
+  return entity == nullptr ? std::vector<Part>() : parts(*entity);
+}
+
+std::vector<Part> Part21::parts(const Entity& entity) const {
+  return Parser(text_.substr(entity.begin, entity.size)).parts();
 }
 
 Part Part21::part(int number, std::string_view keyword) const {

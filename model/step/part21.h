@@ -4,7 +4,6 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
-#include <utility>
 #include <vector>
 
 #include "core/progress.h"
@@ -19,6 +18,7 @@ struct Value {
   double number = 0.0;       ///< number
   int reference = 0;         ///< reference: the entity's number
   std::string_view text;     ///< text (as in the file, without the outer quotes), enumeration (without dots), typed
+  std::string_view written;  ///< as in the file, with quotes and dots; typed: the keyword; list: nothing
   std::vector<Value> items;  ///< list; typed: the one value inside
 
   [[nodiscard]] bool is(Kind k) const { return kind == k; }
@@ -33,7 +33,8 @@ struct Value {
 
 /// A keyword with its attributes; a complex entity has several.
 struct Part {
-  std::string keyword;  ///< upper case
+  std::string keyword;       ///< upper case
+  std::string_view written;  ///< the keyword as in the file
   std::vector<Value> values;
 
   /// The attribute at `i`, a missing value beyond the end.
@@ -59,6 +60,7 @@ class Part21 {
  public:
   explicit Part21(std::string_view text, const Progress& progress = {});
 
+  [[nodiscard]] std::string_view text() const { return text_; }
   [[nodiscard]] const std::vector<Entity>& entities() const { return entities_; }
   /// Null when the file has no such entity.
   [[nodiscard]] const Entity* find(int number) const;
@@ -70,18 +72,18 @@ class Part21 {
 
   /// All parts, in the file's order; empty when there is no such entity or it doesn't parse.
   [[nodiscard]] std::vector<Part> parts(int number) const;
+  [[nodiscard]] std::vector<Part> parts(const Entity& entity) const;
   /// The only part, or that with this keyword; a part without values when there is none.
   [[nodiscard]] Part part(int number, std::string_view keyword = {}) const;
   /// Every entity this one refers to, in order, repeats included.
   [[nodiscard]] std::vector<int> references(const Entity& entity) const;
 
+  /// The statements outside DATA that parse, without their semicolons, in the file's order.
+  [[nodiscard]] const std::vector<std::string_view>& header() const { return header_; }
   /// First string of FILE_SCHEMA, empty when there is none.
   [[nodiscard]] const std::string& schema() const { return schema_; }
-  /// At most 50, in the file's order.
+  /// At most 50, in the file's order. What statements with faults say is left out of the index.
   [[nodiscard]] const std::vector<SyntaxFault>& faults() const { return faults_; }
-  /// Overwrites the statements that have faults with spaces in `text`, the text this was made of: the import's own
-  /// recovery from them is not to be trusted. Their entities then have no parts.
-  void blank_faults(std::string& text) const;
   /// Overwrites an entity with spaces in `text`, the text this was made of.
   void blank_entity(std::string& text, int number) const;
   /// The first entity in sound brackets that holds something which is no value (NAN, 1.E400, --3.); number 0 if none.
@@ -100,12 +102,11 @@ class Part21 {
   void add_fault(int line, int entity, std::string what);
 
   std::string_view text_;
+  std::vector<std::string_view> header_;
   std::vector<Entity> entities_;
   std::unordered_map<int, std::uint32_t> by_number_;
   std::unordered_map<std::string, std::vector<std::uint32_t>> by_keyword_;
   std::vector<SyntaxFault> faults_;
-  std::size_t fault_count_ = 0;
-  std::vector<std::pair<std::size_t, std::size_t>> damaged_;  ///< begin and end of statements with faults
   SyntaxFault unreadable_;
   std::string schema_;
   bool seen_any_ = false;

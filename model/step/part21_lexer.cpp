@@ -192,7 +192,8 @@ std::vector<Part> Parser::parts() {
 
 bool Parser::parse_part(Part& part) {
   if (!is_word(peek())) return false;
-  for (const char c : word()) part.keyword.push_back(c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c);
+  part.written = word();
+  for (const char c : part.written) part.keyword.push_back(c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c);
   return take('(') && parse_list(part.values, 0);
 }
 
@@ -211,6 +212,24 @@ bool Parser::parse_list(std::vector<Value>& items, int depth) {
 
 bool Parser::parse_value(Value& value, int depth) {
   const char c = peek();
+  const std::size_t first = at_;
+  if (c == '(') {
+    ++at_;
+    value.kind = Value::Kind::list;
+    return parse_list(value.items, depth);
+  }
+  if (is_word(c) && !is_digit(c) && c != '-') {
+    value.kind = Value::Kind::typed;
+    value.text = value.written = word();
+    return take('(') && parse_list(value.items, depth);
+  }
+  if (!parse_atom(value, c)) return false;
+  value.written = text_.substr(first, at_ - first);
+  return true;
+}
+
+/// A value that holds no others and begins with `c`.
+bool Parser::parse_atom(Value& value, char c) {
   switch (c) {
     case '$':
       ++at_;
@@ -225,10 +244,6 @@ bool Parser::parse_value(Value& value, int depth) {
       return parse_delimited(value, Value::Kind::enumeration, c);
     case '"':
       return parse_delimited(value, Value::Kind::binary, c);
-    case '(':
-      ++at_;
-      value.kind = Value::Kind::list;
-      return parse_list(value.items, depth);
     case '#': {
       ++at_;
       value.kind = Value::Kind::reference;
@@ -237,13 +252,8 @@ bool Parser::parse_value(Value& value, int depth) {
       return error == std::errc() && value.reference > 0;
     }
     default:
-      break;
+      return (is_digit(c) || c == '-' || c == '+') && parse_number(value);
   }
-  if (is_digit(c) || c == '-' || c == '+') return parse_number(value);
-  if (!is_word(c)) return false;
-  value.kind = Value::Kind::typed;
-  value.text = word();
-  return take('(') && parse_list(value.items, depth);
 }
 
 bool Parser::parse_number(Value& value) {

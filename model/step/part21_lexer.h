@@ -57,6 +57,7 @@ class Parser {
   [[nodiscard]] bool parse_part(Part& part);
   [[nodiscard]] bool parse_list(std::vector<Value>& items, int depth);
   [[nodiscard]] bool parse_value(Value& value, int depth);
+  [[nodiscard]] bool parse_atom(Value& value, char c);
   [[nodiscard]] bool parse_number(Value& value);
   [[nodiscard]] bool parse_delimited(Value& value, Value::Kind kind, char delimiter);
   [[nodiscard]] std::string_view word();

@@ -192,11 +192,12 @@ class Reader {
  private:
   /// A text and what the import's reader made of it, with nothing in it that the import can't bear.
   struct Source {
-    std::unique_ptr<Part21> raw;
+    std::shared_ptr<const Part21> raw;
     std::unique_ptr<step::StepSession> session;
     std::vector<step::RefusedEntity> refused;
   };
-  Source read_source(std::string& bytes, const std::string& name);
+  /// `raw` is the index of `bytes`.
+  Source read_source(std::string& bytes, const std::string& name, std::shared_ptr<const Part21> raw);
   void convert(const step::Assembly& assembly, const step::EntityIndex& entities);
   void make_unique(std::string& path);
   void check_shapes(step::SolidReport& report, const step::Assembly& assembly, SolidId first,
@@ -214,14 +215,13 @@ void Reader::read(const StepPart& part) {
   const std::filesystem::path& path = part.file;
   std::string bytes = read_bytes(path, options_);
   const std::string name = path.string();
-  const Part21 raw(bytes, progress_);
-  step::require_step_text(raw, name);
-  step::require_acyclic(raw, name, progress_);
-  scene_.files.push_back(describe_file(path, bytes, raw, scene_.findings));
-  report_syntax(raw, name, scene_.findings);
-  raw.blank_faults(bytes);
-  const auto materials = step::materials(raw, scene_.findings);
-  Source source = read_source(bytes, name);
+  const auto raw = std::make_shared<const Part21>(bytes, progress_);
+  step::require_step_text(*raw, name);
+  step::require_acyclic(*raw, name, progress_);
+  scene_.files.push_back(describe_file(path, bytes, *raw, scene_.findings));
+  report_syntax(*raw, name, scene_.findings);
+  const auto materials = step::materials(*raw, scene_.findings);
+  Source source = read_source(bytes, name, raw);
   step::StepSession& session = *source.session;
   session.transfer(progress_);
   const step::EntityIndex entities = session.entities();
@@ -230,7 +230,7 @@ void Reader::read(const StepPart& part) {
     return found == materials.end() ? std::nullopt : std::optional(found->second);
   };
   step::Assembly assembly = step::walk_assembly(session.document(), entities, material_of, root_places(part));
-  if (assembly.solids.empty() && assembly.loose.empty()) step::throw_nothing_readable(raw, name, source.refused);
+  if (assembly.solids.empty() && assembly.loose.empty()) step::throw_nothing_readable(*raw, name, source.refused);
   const step::RawTopology topology(*source.raw, progress_);
   keep_broken_solids(assembly, topology, scene_.findings);
   report_loose(assembly, scene_.findings);
@@ -246,15 +246,16 @@ void Reader::read(const StepPart& part) {
   pending_.push_back({first, SolidId{scene_.solids.size()}, topology.faults()});
 }
 
-Reader::Source Reader::read_source(std::string& bytes, const std::string& name) {
+Reader::Source Reader::read_source(std::string& bytes, const std::string& name, std::shared_ptr<const Part21> raw) {
   constexpr int kRounds = 8;
   constexpr std::size_t kNamed = 20;
   std::vector<step::RefusedEntity> causes;
   for (int round = 0; round < kRounds; ++round) {
-    Source source{std::make_unique<Part21>(bytes, progress_), nullptr, {}};
+    if (round > 0) raw = std::make_shared<const Part21>(bytes, progress_);
+    Source source{raw, nullptr, {}};
     auto broken = step::broken_geometry(*source.raw, {});
     if (broken.empty()) {
-      source.session = std::make_unique<step::StepSession>(name, bytes, options_.heal, progress_);
+      source.session = std::make_unique<step::StepSession>(name, *source.raw, options_.heal, progress_);
       source.refused = step::refused_entities(source.session->model());
       const bool bare = !source.raw->has("SHAPE_DEFINITION_REPRESENTATION");
       if (bare && !source.refused.empty()) step::throw_nothing_readable(*source.raw, name, source.refused);

@@ -15,11 +15,9 @@
 #include <XCAFDoc_ShapeTool.hxx>
 #include <XSControl_TransferReader.hxx>
 #include <XSControl_WorkSession.hxx>
-#include <algorithm>
-#include <istream>
 #include <mutex>
-#include <streambuf>
 
+#include "model/step/load_model.h"
 #include "model/step/placement_operator.h"
 #include "model/step/text.h"
 
@@ -30,31 +28,6 @@ std::mutex& import_mutex() {
   static std::mutex mutex;
   return mutex;
 }
-
-/// Hands a text to the parser in pieces, so that progress shows and a cancel ends the reading at the next piece.
-class TextSource : public std::streambuf {
- public:
-  TextSource(std::string_view text, const Progress& progress) : text_(text), progress_(progress) {}
-
- protected:
-  int_type underflow() override {
-    if (next_ >= text_.size() || progress_.cancelled()) return traits_type::eof();
-    // The first part of the stage was the check of the text.
-    progress_.report("reading", 0.3 + 0.7 * static_cast<double>(next_) / static_cast<double>(text_.size()));
-    constexpr std::size_t kPiece = std::size_t{1} << 20;
-    const std::size_t size = std::min(kPiece, text_.size() - next_);
-    // The stream only reads; its interface wants pointers to non-const.
-    char* begin = const_cast<char*>(text_.data()) + next_;
-    setg(begin, begin, begin + size);
-    next_ += size;
-    return traits_type::to_int_type(*begin);
-  }
-
- private:
-  std::string_view text_;
-  const Progress& progress_;
-  std::size_t next_ = 0;
-};
 
 /// OpenCASCADE's progress as ours.
 class TransferProgress : public Message_ProgressIndicator {
@@ -96,11 +69,10 @@ ImportGuard::~ImportGuard() {
   Message::DefaultMessenger()->ChangePrinters() = state_->printers;
 }
 
-StepSession::StepSession(const std::string& name, std::string_view text, bool heal, const Progress& progress)
+StepSession::StepSession(const std::string& name, const Part21& text, bool heal, const Progress& progress)
     : name_(name) {
   // The operators of a sequence that no resource defines are none.
   Interface_Static::SetCVal("read.step.sequence", heal ? "FromSTEP" : "none");
-  Interface_Static::SetCVal("read.step.codepage", is_utf8(text) ? "UTF8" : "ISO8859-1");
   reader_.SetColorMode(Standard_True);
   reader_.SetNameMode(Standard_True);
   reader_.SetLayerMode(Standard_True);
@@ -109,16 +81,17 @@ StepSession::StepSession(const std::string& name, std::string_view text, bool he
   reader_.SetPropsMode(Standard_False);
   reader_.SetGDTMode(Standard_False);  // throws on a sound file of NIST's, and slicing has no use for it
   reader_.SetViewMode(Standard_False);
-  TextSource source(text, progress);
-  std::istream stream(&source);
+  const Handle(XSControl_WorkSession) session = reader_.Reader().WS();
+  const auto code_page = is_utf8(text.text()) ? Resource_FormatType_UTF8 : Resource_FormatType_iso8859_1;
   try {
-    const IFSelect_ReturnStatus status = reader_.ChangeReader().ReadStream(name.c_str(), stream);
-    progress.throw_if_cancelled();
-    if (status != IFSelect_RetDone) throw InputError("not a readable STEP file", name_);
+    const auto protocol = Handle(StepData_Protocol)::DownCast(session->Protocol());
+    session->SetModel(load_model(text, code_page, protocol, progress));
+    constexpr int kBeginTransfer = 4;
+    session->InitTransferReader(kBeginTransfer);
   } catch (const Standard_Failure& failure) {
-    progress.throw_if_cancelled();
     throw InputError(std::string("the STEP file can't be read: ") + failure.GetMessageString(), name_);
   }
+  progress.throw_if_cancelled();
 }
 
 StepSession::~StepSession() {

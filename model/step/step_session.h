@@ -4,11 +4,11 @@
 #include <TDocStd_Document.hxx>
 #include <memory>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "core/progress.h"
 #include "model/step/entity_index.h"
+#include "model/step/part21.h"
 
 /// Private to model/step: one run of OpenCASCADE's STEP import.
 namespace lamella::step {
@@ -30,11 +30,12 @@ class ImportGuard {
 /// The import of one file's text.
 class StepSession {
  public:
-  /// Reads `text`, the bytes of the file `name`; `heal` lets the import repair shapes. Throws InputError, Cancelled.
-  StepSession(const std::string& name, std::string_view text, bool heal, const Progress& progress);
+  /// Reads `text` of the file `name`, all of whose entities parse; `heal` lets the import repair shapes. Throws
+  /// InputError, Cancelled.
+  StepSession(const std::string& name, const Part21& text, bool heal, const Progress& progress);
   ~StepSession();
 
-  /// Makes shapes of the entities; nothing is read but `text`. Throws InputError, Cancelled.
+  /// Makes shapes of the entities; no file is read. Throws InputError, Cancelled.
   void transfer(const Progress& progress);
 
   [[nodiscard]] const Handle(TDocStd_Document) & document() const { return document_; }
