@@ -24,8 +24,6 @@ constexpr int kLeastHalvings = 4;
 constexpr int kArcParts = 16;
 constexpr int kSpanParts = 4;
 
-enum class Cover { inside, outside, crossed };
-
 /// Newton's iteration for the least distance over a box of parameters, damped where a step doesn't come nearer.
 struct Descent {
   Vec2 uv;
@@ -105,14 +103,6 @@ CurveDescent descend(const Curve3& curve, const Interval& range, const Vec3& poi
     if (const double squared = (point - foot).squaredNorm(); squared < best.squared) best = {foot, squared};
   }
   return best;
-}
-
-/// How a box of parameters lies to the region of a face.
-Cover cover_of(const TrimRegion& region, const Box2& uv) {
-  for (const BezierCurve2& piece : region.boundary()) {
-    if (control_box(piece).intersects(uv)) return Cover::crossed;
-  }
-  return region.classify(uv.center()) == TrimRegion::Side::inside ? Cover::inside : Cover::outside;
 }
 
 /// Rows: the direction, or any without one, and two across it.
@@ -213,10 +203,10 @@ void NearPatch::divide() const {
     Box2 uv;
     uv.extend(face_.form.to_surface({piece.u.lo, piece.v.lo}));
     uv.extend(face_.form.to_surface({piece.u.hi, piece.v.hi}));
-    const Cover cover = cover_of(face_.region, uv);
-    if (cover == Cover::outside) continue;
+    const TrimRegion::Side side = face_.region.classify(uv.center(), 0.5 * uv.sizes());
+    if (side == TrimRegion::Side::outside) continue;
     const Mat3 axes = axes_along(evaluate(*face_.surface, uv.center()).normal().normalized());
-    parts_.push_back({uv, cover == Cover::inside, axes, box_along(axes, piece)});
+    parts_.push_back({uv, side == TrimRegion::Side::inside, axes, box_along(axes, piece)});
     boxes.push_back(control_box(piece));
   }
   tree_ = BoxTree(boxes);

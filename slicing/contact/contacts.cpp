@@ -1,6 +1,7 @@
 #include "slicing/contact/contacts.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -20,7 +21,7 @@ namespace lamella {
 
 namespace {
 
-/// A face is looked at in pieces of this part of its size, and where its border runs in quarters of them.
+/// A face is looked at in pieces of this part of its size, and where its border runs or a gap ends in quarters of them.
 constexpr double kPieceSize = 1.0 / 16.0;
 constexpr int kBorderHalvings = 4;
 
@@ -50,6 +51,31 @@ std::vector<SolidPair> near_pairs(const IdVector<SolidId, SolidMeasure>& measure
     }
   }
   return pairs;
+}
+
+/// Points of a patch at its corners, at the middles of its sides and in its middle: [i][j] with i along u.
+using PatchPoints = std::array<std::array<Vec3, 3>, 3>;
+
+PatchPoints points_of(const BezierPatch& patch, const Vec3& middle) {
+  const auto corner = [&](int i, int j) -> Vec3 {
+    const Vec4& pole = patch.net[static_cast<std::size_t>(i * (patch.degree_v + 1) + j)];
+    return pole.head<3>() / pole.w();
+  };
+  const int m = patch.degree_u;
+  const int n = patch.degree_v;
+  const double u = patch.u.middle();
+  const double v = patch.v.middle();
+  return {{{corner(0, 0), evaluate_point(patch, patch.u.lo, v), corner(0, n)},
+           {evaluate_point(patch, u, patch.v.lo), middle, evaluate_point(patch, u, patch.v.hi)},
+           {corner(m, 0), evaluate_point(patch, patch.u.hi, v), corner(m, n)}}};
+}
+
+/// The halves of a patch, across its longer side.
+std::pair<BezierPatch, BezierPatch> halved(const BezierPatch& patch, const PatchPoints& points) {
+  const auto side = [](const Vec3& a, const Vec3& b, const Vec3& c) { return (a - b).norm() + (b - c).norm(); };
+  const double along_u = side(points[0][1], points[1][1], points[2][1]);
+  const double along_v = side(points[1][0], points[1][1], points[1][2]);
+  return along_u >= along_v ? split_u(patch, patch.u.middle()) : split_v(patch, patch.v.middle());
 }
 
 /// Looks along the faces of one solid for another.
@@ -114,25 +140,23 @@ class PairSearch {
     const double radius = (box.max() - middle).cwiseMax(middle - box.min()).norm();
     if (!distances_.may_come_within(pair_.second, middle, options_.reach + radius)) return;
     const bool is_small = radius <= face.piece_size || depth >= kMaxHalvings;
-    if (is_small && (border_depth >= kBorderHalvings || !meets_border(face, patch))) {
-      const auto near = distances_.find(pair_.second, middle, options_.reach);
-      if (near) measure(face, patch, middle, radius, *near);
-      return;
-    }
-    const auto [first, second] = halved(patch);
+    if (is_small && is_settled(face, patch, middle, radius, border_depth >= kBorderHalvings)) return;
+    const auto [first, second] = halved(patch, points_of(patch, middle));
     divide(face, first, depth + 1, border_depth + (is_small ? 1 : 0));
     divide(face, second, depth + 1, border_depth + (is_small ? 1 : 0));
   }
 
-  static std::pair<BezierPatch, BezierPatch> halved(const BezierPatch& patch) {
-    const auto side = [&](double u0, double v0, double u1, double v1) {
-      return (evaluate_point(patch, u0, v0) - evaluate_point(patch, u1, v1)).norm();
-    };
-    const double u = patch.u.middle();
-    const double v = patch.v.middle();
-    const double along_u = side(patch.u.lo, v, u, v) + side(u, v, patch.u.hi, v);
-    const double along_v = side(u, patch.v.lo, u, v) + side(u, v, u, patch.v.hi);
-    return along_u >= along_v ? split_u(patch, u) : split_v(patch, v);
+  /// Measures a small piece, unless the border runs or a gap ends in it and it isn't the `last` that it is halved into.
+  bool is_settled(const FaceSearch& face, const BezierPatch& patch, const Vec3& middle, double radius, bool last) {
+    const Box2 uv = parameters_of(face, patch);
+    const TrimRegion::Side side = face.region->classify(uv.center(), 0.5 * uv.sizes());
+    if (side == TrimRegion::Side::outside) return true;
+    if (side == TrimRegion::Side::on_boundary && !last) return false;
+    const auto near = distances_.find(pair_.second, middle, options_.reach + (last ? 0.0 : radius));
+    if (!near) return true;
+    if (!last && is_at_rim(face, patch, middle, radius, *near)) return false;
+    if (near->distance < options_.reach) measure(face, patch, middle, radius, *near);
+    return true;
   }
 
   static Box2 parameters_of(const FaceSearch& face, const BezierPatch& patch) {
@@ -142,11 +166,15 @@ class PairSearch {
     return uv;
   }
 
-  static bool meets_border(const FaceSearch& face, const BezierPatch& patch) {
-    const Box2 uv = parameters_of(face, patch);
-    const auto& boundary = face.region->boundary();
-    return std::any_of(boundary.begin(), boundary.end(),
-                       [&](const BezierCurve2& piece) { return control_box(piece).intersects(uv); });
+  /// Whether a gap may begin or end in a small piece: another face lies along it, apart or through it.
+  [[nodiscard]] bool is_at_rim(const FaceSearch& face, const BezierPatch& patch, const Vec3& middle, double radius,
+                               const NearPoint& near) const {
+    const Vec2 at = face.form->to_surface({patch.u.middle(), patch.v.middle()});
+    const Vec3 normal = outward_normal(scene_, face.id, at);
+    if (!near.on_edge && !faces_it(normal, near)) return false;
+    if (near.distance <= touching_distance(scene_, face.id, near.face, options_.gap_tolerance)) return false;
+    const double along = (near.point - middle).dot(normal);
+    return std::abs(along) >= kOpposite * near.distance && (along > 0.0 || near.distance < radius);
   }
 
   /// Area of a small piece, by two Gauss points along each parameter.
@@ -218,15 +246,15 @@ class PairSearch {
   /// A piece that touches, in parts that are nearly quadrics.
   void add_patches(const FaceSearch& face, const BezierPatch& patch, int depth) {
     ContactPatch out;
-    const Vec2 at(patch.u.middle(), patch.v.middle());
-    out.center = evaluate_point(patch, at.x(), at.y());
-    const Vec2 uv = face.form->to_surface(at);
+    const PatchPoints points = points_of(patch, evaluate_point(patch, patch.u.middle(), patch.v.middle()));
+    out.center = points[1][1];
+    const Vec2 uv = face.form->to_surface({patch.u.middle(), patch.v.middle()});
     out.normal = outward_normal(scene_, face.id, uv);
     out.form = second_form(evaluate2(scene_.faces[face.id].surface, uv), out.normal);
     // The border's corners and middles are where a small piece is farthest from its middle and its tangent plane.
-    for (const double u : {patch.u.lo, patch.u.middle(), patch.u.hi}) {
-      for (const double v : {patch.v.lo, patch.v.middle(), patch.v.hi}) {
-        const Vec3 aside = evaluate_point(patch, u, v) - out.center;
+    for (const auto& row : points) {
+      for (const Vec3& point : row) {
+        const Vec3 aside = point - out.center;
         out.radius = std::max(out.radius, aside.norm());
         out.bend = std::max(out.bend, std::abs(out.normal.dot(aside) - aside.dot(out.form * aside)));
       }
@@ -235,7 +263,7 @@ class PairSearch {
       patches_.push_back(out);
       return;
     }
-    const auto [first, second] = halved(patch);
+    const auto [first, second] = halved(patch, points);
     add_patches(face, first, depth + 1);
     add_patches(face, second, depth + 1);
   }

@@ -83,6 +83,25 @@ TEST(Contacts, FlushFacesAreNoContact) {
   EXPECT_NEAR(contacts[0].gap_area, 2.0 * kPi * 0.45, 1e-6);
 }
 
+/// A block turned into another: the gap is a strip that begins in the middle of a face and is as wide as two pieces.
+TEST(Contacts, AGapThatNarrowsToNothingIsMeasuredFinerThanAFace) {
+  constexpr double kReach = 0.05;
+  for (const double angle : {0.05, 0.1, 0.2}) {
+    Scene scene;
+    test::add_box(scene, {0, 0, 0}, {4, 4, 1});
+    test::SolidOptions options;
+    options.placement = Placement::turned(Vec3::UnitY(), angle);
+    options.placement.translation = Vec3(2, 0, 1);
+    test::add_box(scene, {-1.8, 0.5, 0}, {1.8, 3.5, 1}, options);
+    const auto contacts = contacts_of(scene, kReach);
+    ASSERT_EQ(contacts.size(), 1U);
+    const double exact = 3.0 * kReach / std::sin(angle);
+    constexpr double kPiece = 0.04;  // half a sixty-fourth of the face
+    EXPECT_NEAR(contacts[0].gap_area, exact, 3.0 * kPiece) << angle;
+    EXPECT_NEAR(contacts[0].gap_volume, 0.5 * kReach * exact, 3.0 * kPiece * kReach) << angle;
+  }
+}
+
 TEST(Contacts, AThirdSolidInTheGapClosesIt) {
   Scene scene;
   test::add_box(scene, {0, 0, 0}, {1, 1, 1});
