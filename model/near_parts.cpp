@@ -12,6 +12,8 @@ namespace lamella {
 namespace {
 
 constexpr int kSteps = 40;
+/// mm; over so short a step the surface bends by less than rounding.
+constexpr double kLastStep = 1e-9;
 
 /// Parts are halved until they bend by less than this part of their size, so that the distance over one has one
 /// minimum for points that aren't near a centre of curvature, and Newton's iteration finds it from the middle.
@@ -61,6 +63,11 @@ Descent descend(const Surface& surface, const Box2& box, const Vec3& point) {
   for (int step = 0; step < kSteps; ++step) {
     const Vec2 to = (at.uv + step_of(s, point - s.point, damping, at.uv, box)).cwiseMax(box.min()).cwiseMin(box.max());
     if (to == at.uv) break;
+    const Vec3 move = s.du * (to.x() - at.uv.x()) + s.dv * (to.y() - at.uv.y());
+    if (damping == 0.0 && move.squaredNorm() < kLastStep * kLastStep) {
+      const Vec3 foot = at.foot + move;
+      return {to, foot, (point - foot).squaredNorm()};
+    }
     const SurfacePoint2 next = evaluate2(surface, to);
     const double squared = (point - next.point).squaredNorm();
     // Comparisons are written so that NaN fails.
