@@ -66,6 +66,10 @@ class Part21 {
   [[nodiscard]] const Entity* find(int number) const;
   /// Entities with this keyword (upper case), complex ones by each of their parts, in the file's order.
   [[nodiscard]] std::vector<int> with_keyword(const std::string& keyword) const;
+  /// By keyword (upper case) the places of its entities in entities(), ascending; complex ones by each of their parts.
+  [[nodiscard]] const std::unordered_map<std::string, std::vector<std::uint32_t>>& by_keyword() const {
+    return by_keyword_;
+  }
   [[nodiscard]] bool has(const std::string& keyword) const { return by_keyword_.contains(keyword); }
   /// The keywords of the entity, "A", or "(A B C)" for a complex one.
   [[nodiscard]] std::string keyword_of(int number) const;

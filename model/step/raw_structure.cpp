@@ -174,10 +174,22 @@ bool is_piece_of_geometry(const std::string& keyword) {
 
 namespace {
 
-/// A point or direction in the plane where one in space must stand; 0 if there is none.
+/// The entities that are pieces of geometry, in the file's order.
+std::vector<const Entity*> pieces_of_geometry(const Part21& file) {
+  std::vector<bool> is_piece(file.entities().size());
+  for (const auto& [keyword, positions] : file.by_keyword()) {
+    if (!is_piece_of_geometry(keyword)) continue;
+    for (const std::uint32_t position : positions) is_piece[position] = true;
+  }
+  std::vector<const Entity*> pieces;
+  for (std::size_t i = 0; i < is_piece.size(); ++i) {
+    if (is_piece[i]) pieces.push_back(&file.entities()[i]);
+  }
+  return pieces;
+}
+
+/// A point or direction in the plane that the entity refers to; 0 if there is none.
 int flat_reference(const Part21& file, const Entity& entity) {
-  const std::string keyword = file.keyword_of(entity.number);
-  if (keyword != "VERTEX_POINT" && keyword != "AXIS2_PLACEMENT_3D") return 0;
   for (const int number : file.references(entity)) {
     const Part part = file.part(number);
     const bool spatial = part[1].items.size() == 3;
@@ -190,18 +202,17 @@ int flat_reference(const Part21& file, const Entity& entity) {
 
 std::vector<RefusedEntity> broken_geometry(const Part21& file, const std::vector<RefusedEntity>& refused) {
   std::map<int, std::string> broken;
-  std::vector<const Entity*> pieces;
-  for (const Entity& entity : file.entities()) {
-    if (is_piece_of_geometry(file.keyword_of(entity.number))) pieces.push_back(&entity);
-  }
+  const std::vector<const Entity*> pieces = pieces_of_geometry(file);
   for (const RefusedEntity& entity : refused) {
     // A missing name does no harm.
     const bool harmless = entity.reason.find("quoted String") != std::string::npos;
     if (!harmless && is_piece_of_geometry(file.keyword_of(entity.number))) broken.emplace(entity.number, entity.reason);
   }
-  for (const Entity* piece : pieces) {
-    const int flat = flat_reference(file, *piece);
-    if (flat != 0) broken.emplace(piece->number, "it needs three coordinates and " + label_of(flat) + " has others");
+  for (const char* spatial : {"VERTEX_POINT", "AXIS2_PLACEMENT_3D"}) {
+    for (const int number : file.with_keyword(spatial)) {
+      const int flat = flat_reference(file, *file.find(number));
+      if (flat != 0) broken.emplace(number, "it needs three coordinates and " + label_of(flat) + " has others");
+    }
   }
   for (bool grown = true; grown;) {
     grown = false;
