@@ -15,7 +15,10 @@ endif()
 add_library(lamella_flags INTERFACE)
 target_compile_features(lamella_flags INTERFACE cxx_std_20)
 # -ffp-contract=off: the same doubles from every compiler and CPU (docs/decisions/0002-floating-point.md).
+# -fno-semantic-interposition: nothing replaces our functions at run time, so they may be inlined though the code is
+# position independent.
 target_compile_options(lamella_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off
+                                               -fno-semantic-interposition
                                                $<$<BOOL:${LAMELLA_WERROR}>:-Werror>)
 if(LAMELLA_SANITIZE)
   target_compile_options(lamella_flags INTERFACE -fsanitize=${LAMELLA_SANITIZE} -fno-omit-frame-pointer)
@@ -49,6 +52,23 @@ function(lamella_add_library name)
   set_target_properties(lamella_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
   target_precompile_headers(lamella_${name} REUSE_FROM lamella_common_headers)
   set_property(GLOBAL APPEND PROPERTY LAMELLA_LIBRARIES lamella_${name})
+endfunction()
+
+# lamella_add_module(vdb_reader LOADED_BY materials SOURCES a.cpp ... LIBRARIES OpenVDB::openvdb) declares a shared object
+# that a library loads when it needs it (core/shared_object.h). It may use the library's headers, but none of its functions.
+set(CMAKE_BUILD_RPATH "${CMAKE_BINARY_DIR}/lib")
+set(LAMELLA_MODULE_DIR "${CMAKE_INSTALL_LIBDIR}/lamella")
+function(lamella_add_module name)
+  cmake_parse_arguments(ARG "" "LOADED_BY" "SOURCES;LIBRARIES" ${ARGN})
+  add_library(lamella_${name} MODULE ${ARG_SOURCES})
+  target_include_directories(lamella_${name} PRIVATE "${PROJECT_SOURCE_DIR}")
+  target_link_libraries(lamella_${name} PRIVATE lamella_flags Eigen3::Eigen ${ARG_LIBRARIES})
+  target_link_options(lamella_${name} PRIVATE LINKER:--no-undefined)
+  set_target_properties(lamella_${name} PROPERTIES LIBRARY_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/lib")
+  add_dependencies(lamella_${ARG_LOADED_BY} lamella_${name})
+  target_link_options(lamella_${ARG_LOADED_BY} INTERFACE
+                      "$<INSTALL_INTERFACE:LINKER:-rpath,$<INSTALL_PREFIX>/${LAMELLA_MODULE_DIR}>")
+  install(TARGETS lamella_${name} LIBRARY DESTINATION "${LAMELLA_MODULE_DIR}")
 endfunction()
 
 # lamella_add_test(trim_test SOURCES trim_test.cpp LIBRARIES lamella::model [LABELS corpus] [TIMEOUT 300])

@@ -27,7 +27,7 @@ const std::vector<ThirdParty> kThirdParties = {
     {"openssl/.*", "core/sha256\\.cpp"},
     {"[A-Za-z0-9]+(_[A-Za-z0-9]+)*\\.(hxx|lxx|gxx)", "model/step/.*"},
     {"hdf5.*\\.h", "slicing/store/.*"},
-    {"openvdb/.*", "(export/vdb/.*\\.cpp|materials/vdb_field\\.cpp)"},
+    {"openvdb/.*", "(export/vdb/grid_set|materials/vdb_grids)\\.cpp"},
     {"libdeflate\\.h", "(export/.*|slicing/store/packed_layer)\\.cpp"},
     {"(png|zlib|tiffio|zip)\\.h", "export/.*\\.cpp"},
     {"libxml/.*", "export/.*\\.cpp"},
@@ -39,7 +39,7 @@ const std::vector<ThirdParty> kThirdParties = {
 
 // C and POSIX headers that aren't third parties.
 const std::regex kSystemHeader(
-    "(unistd|fcntl|malloc|signal|fnmatch|poll|pthread|dirent|errno|iconv|stdlib|stdio|string|math|time)\\.h|sys/"
+    "(unistd|dlfcn|fcntl|malloc|signal|fnmatch|poll|pthread|dirent|errno|iconv|stdlib|stdio|string|math|time)\\.h|sys/"
     "[a-z_]+\\.h");
 
 std::optional<std::size_t> rank_of(std::string_view path) {
