@@ -19,8 +19,8 @@ struct FilePart {
 struct PackageParts {
   std::vector<std::pair<std::string, std::string>> texts;            ///< name and bytes, deflated
   std::vector<std::pair<std::string, std::filesystem::path>> files;  ///< name and file, deflated
-  std::filesystem::path images;  ///< a file whose stretches are stored as they are, since they are compressed already
-  std::vector<FilePart> image_parts;
+  std::filesystem::path images{};  ///< a file whose stretches are stored as they are, since they are compressed already
+  std::vector<FilePart> image_parts{};
 };
 
 /// Writes a ZIP file under a temporary name first. All entries bear the same date, so that the same parts give the same

@@ -103,7 +103,7 @@ class LoopWriter {
       const bool is_last = i + 1 == beziers.size();
       for (std::size_t k = 1; k < (is_last ? 6U : 5U); ++k) poles.push_back(point(beziers[i][k]));
       multiplicities += is_last ? ",6" : ",4";
-      knots += "," + step_exact_real(knot);
+      (knots += ",") += step_exact_real(knot);
     }
     return entities_.add(fmt::format("B_SPLINE_CURVE_WITH_KNOTS('',5,{},.UNSPECIFIED.,.F.,.F.,({}),({}),.UNSPECIFIED.)",
                                      step_list(poles), multiplicities, knots));

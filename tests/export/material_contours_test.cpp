@@ -218,10 +218,14 @@ void expect_areas_of_solids(const std::string& name, bool overlaps) {
     for (const auto& loops : regions) materials += area_of(loops);
     const double bound = 2e-3 * (1.0 + length_of(*layer.contours));
     EXPECT_LT(materials, solids + bound) << layer.z_sample;
-    if (!overlaps) EXPECT_GT(materials, solids - bound) << layer.z_sample;
+    if (!overlaps) {
+      EXPECT_GT(materials, solids - bound) << layer.z_sample;
+    }
     lost += (solids - materials) * (layer.z_top - layer.z_bottom);
   });
-  if (overlaps) EXPECT_GT(lost, 1.0);
+  if (overlaps) {
+    EXPECT_GT(lost, 1.0);
+  }
 }
 
 TEST(MaterialContours, OfTouchingSolidsLoseNothing) {

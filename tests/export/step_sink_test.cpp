@@ -307,7 +307,9 @@ void expect_same_at_any_chord_error(const std::string& name, double tolerance, G
     for (const auto& [height, curves] : layers) {
       const CurveArea& other = coarse.at(material).at(height);
       EXPECT_NEAR(curves.area, other.area, tolerance) << material << ' ' << height;
-      if (has_same_edges) EXPECT_EQ(curves.edges, other.edges) << material << ' ' << height;
+      if (has_same_edges) {
+        EXPECT_EQ(curves.edges, other.edges) << material << ' ' << height;
+      }
       EXPECT_LE(std::max(curves.largest_gap, other.largest_gap), 1e-6) << material << ' ' << height;
       const auto found = curves.edges.find(kind);
       if (found != curves.edges.end()) of_kind += found->second;

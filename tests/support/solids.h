@@ -30,8 +30,8 @@ struct Placement {
 struct SolidOptions {
   Placement placement;
   std::string name = "solid";
-  std::string path;
-  std::optional<Color> color;
+  std::string path{};
+  std::optional<Color> color{};
 };
 
 /// A solid just added, with its exact values (mm^3, mm^2).
