@@ -58,7 +58,7 @@ TEST_F(Export, NeverWritesOverTheBuild) {
   const auto before = contents_below(folder() / "build");
   for (const std::string place : {"build.xml", "run.json", "layers.h5", "layers/000000.h5", "layers/x.xml", "layers"}) {
     for (const std::string& verb : {"export " + build() + " --to xml", "view " + build(),
-                                   "export " + build() + " --to sl1", "plan " + build() + " --machine m.xml"}) {
+                                    "export " + build() + " --to sl1", "plan " + build() + " --machine m.xml"}) {
       const CommandResult result = run_lamella(verb + " -o " + quoted(folder() / "build" / place));
       EXPECT_EQ(result.exit_code, 1) << verb << ' ' << place;
       EXPECT_THAT(result.errors, HasSubstr("overwrite an input"));

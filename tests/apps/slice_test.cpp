@@ -102,7 +102,7 @@ TEST(Slice, NeverWritesOverWhatTheMaterialsFileNames) {
           "<axis direction=\"0 0 1\" table=\"table.csv\"/></graded></library><assignments default=\"G\"/></materials>");
   const std::string slice = "slice " + boxes() + kCoarse + "--materials " + quoted(folder / "m.xml");
   for (const std::string& output : {"--xml " + quoted(folder / "library.xml"), "--cli " + quoted(folder / "table.csv"),
-                                   "--mhd " + quoted(folder / "x.mhd") + " --xml " + quoted(folder / "table.csv")}) {
+                                    "--mhd " + quoted(folder / "x.mhd") + " --xml " + quoted(folder / "table.csv")}) {
     const auto before = contents_below(folder.path());
     const CommandResult result = run_lamella(slice + " " + output);
     EXPECT_EQ(result.exit_code, 1) << output << result.errors;
