@@ -166,15 +166,21 @@ class PairSearch {
     return uv;
   }
 
-  /// Whether a gap may begin or end in a small piece: another face lies along it, apart or through it.
+  /// Whether a gap may begin or end in a small piece, by how far the other face is from the middle and how it leans.
   [[nodiscard]] bool is_at_rim(const FaceSearch& face, const BezierPatch& patch, const Vec3& middle, double radius,
                                const NearPoint& near) const {
     const Vec2 at = face.form->to_surface({patch.u.middle(), patch.v.middle()});
     const Vec3 normal = outward_normal(scene_, face.id, at);
     if (!near.on_edge && !faces_it(normal, near)) return false;
-    if (near.distance <= touching_distance(scene_, face.id, near.face, options_.gap_tolerance)) return false;
+    const double tolerance = touching_distance(scene_, face.id, near.face, options_.gap_tolerance);
+    if (near.distance <= tolerance) return false;
     const double along = (near.point - middle).dot(normal);
-    return std::abs(along) >= kOpposite * near.distance && (along > 0.0 || near.distance < radius);
+    if (std::abs(along) < kOpposite * near.distance) return false;
+    const double slope = near.on_edge ? 1.0 : (normal + outward_normal(scene_, near.face, near.uv)).norm();
+    const double change = slope * radius;
+    if (along < 0.0) return near.distance < change;
+    return near.distance - change < tolerance ||
+           (near.distance - change < options_.reach) != (near.distance + change < options_.reach);
   }
 
   /// Area of a small piece, by two Gauss points along each parameter.
