@@ -31,8 +31,7 @@ std::shared_ptr<const VdbGrid> find_grid(const VdbGrids& grids, const std::strin
 }
 
 VdbGrids read_all(const std::filesystem::path& path, const std::string& where) {
-  // A cast from void* to a function is what POSIX asks of dlsym().
-  auto* const read = reinterpret_cast<ReadVdbGrids*>(find_function(kVdbReaderObject, kReadVdbGrids));
+  auto* const read = find_function_of<ReadVdbGrids>(kVdbReaderObject, kReadVdbGrids);
   VdbGrids grids;
   try {
     read(path, grids);

@@ -1,8 +1,7 @@
 #include "export/vdb/vdb_sink.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -57,9 +56,7 @@ GridSetSpec spec_of(const BuildInfo& info, const Grid& grid, const VdbOptions& o
 }
 
 std::unique_ptr<GridSet> make_grid_set(const GridSetSpec& spec) {
-  // A cast from void* to a function is what POSIX asks of dlsym().
-  auto* const make = reinterpret_cast<MakeGridSet*>(find_function(kVdbWriterObject, kMakeGridSet));
-  return std::unique_ptr<GridSet>(make(spec));
+  return std::unique_ptr<GridSet>(find_function_of<MakeGridSet>(kVdbWriterObject, kMakeGridSet)(spec));
 }
 
 /// Writes `digest` in the place of the random UUID that OpenVDB puts into a file's header, so that the same build gives

@@ -11,7 +11,7 @@ namespace {
 using ::testing::HasSubstr;
 
 TEST(SharedObject, GivesAFunctionThatCanBeCalled) {
-  auto* const cosine = reinterpret_cast<double (*)(double)>(find_function("libm.so.6", "cos"));
+  auto* const cosine = find_function_of<double(double)>("libm.so.6", "cos");
   EXPECT_EQ(cosine(0.0), 1.0);
 }
 
