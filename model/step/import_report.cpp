@@ -112,7 +112,11 @@ std::vector<RefusedEntity> refused_entities(const Handle(StepData_StepModel) & m
   for (int i = 1; i <= model->NbEntities(); ++i) {
     const Handle(Interface_ReportEntity) report = model->ReportEntity(i);
     if (report.IsNull() || !report->Check()->HasFailed()) continue;
-    refused.push_back({model->IdentLabel(model->Value(i)), clean_name(report->Check()->CFail(1))});
+    const Handle(Interface_Check) check = report->Check();
+    std::string reason = clean_name(check->CFail(1));
+    // A missing name is complained about first, and hides what does harm.
+    for (int k = 2; k <= check->NbFails() && is_about_a_name(reason); ++k) reason = clean_name(check->CFail(k));
+    refused.push_back({model->IdentLabel(model->Value(i)), reason});
   }
   return refused;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <optional>
 #include <unordered_map>
 
 #include "core/error.h"
@@ -137,21 +138,37 @@ namespace {
 /// Whether the import takes it for granted that all such an entity refers to is there: geometry, the places of parts in
 /// an assembly, colours.
 bool is_piece_of_geometry(const std::string& keyword) {
-  static constexpr std::array kWhole = {"VECTOR",          "LINE",
-                                        "CIRCLE",          "ELLIPSE",
-                                        "PARABOLA",        "HYPERBOLA",
-                                        "PLANE",           "DIRECTION",
-                                        "VERTEX_POINT",    "VERTEX_LOOP",
-                                        "CARTESIAN_POINT", "EDGE_CURVE",
-                                        "FACE_BOUND",      "FACE_OUTER_BOUND",
-                                        "ORIENTED_EDGE",   "ORIENTED_FACE",
-                                        "BREP_WITH_VOIDS", "MANIFOLD_SOLID_BREP",
-                                        "FACETED_BREP",    "ORIENTED_CLOSED_SHELL",
-                                        "ADVANCED_FACE",   "FACE_SURFACE",
-                                        "EDGE_LOOP",       "SURFACE_CURVE",
-                                        "SEAM_CURVE",      "INTERSECTION_CURVE",
-                                        "TRIMMED_CURVE",   "COMPOSITE_CURVE",
-                                        "PCURVE",          "DEFINITIONAL_REPRESENTATION"};
+  static constexpr std::array kWhole = {"VECTOR",
+                                        "LINE",
+                                        "CIRCLE",
+                                        "ELLIPSE",
+                                        "PARABOLA",
+                                        "HYPERBOLA",
+                                        "PLANE",
+                                        "DIRECTION",
+                                        "VERTEX_POINT",
+                                        "VERTEX_LOOP",
+                                        "CARTESIAN_POINT",
+                                        "EDGE_CURVE",
+                                        "FACE_BOUND",
+                                        "FACE_OUTER_BOUND",
+                                        "ORIENTED_EDGE",
+                                        "ORIENTED_FACE",
+                                        "BREP_WITH_VOIDS",
+                                        "MANIFOLD_SOLID_BREP",
+                                        "FACETED_BREP",
+                                        "ORIENTED_CLOSED_SHELL",
+                                        "ADVANCED_FACE",
+                                        "FACE_SURFACE",
+                                        "EDGE_LOOP",
+                                        "SURFACE_CURVE",
+                                        "SEAM_CURVE",
+                                        "INTERSECTION_CURVE",
+                                        "TRIMMED_CURVE",
+                                        "COMPOSITE_CURVE",
+                                        "PCURVE",
+                                        "DEFINITIONAL_REPRESENTATION",
+                                        "SHAPE_DEFINITION_REPRESENTATION"};
   static constexpr std::array kFamilies = {"AXIS1_PLACEMENT",
                                            "AXIS2_PLACEMENT",
                                            "_SURFACE",
@@ -164,6 +181,8 @@ bool is_piece_of_geometry(const std::string& keyword) {
                                            "SURFACE_SIDE_STYLE",
                                            "SURFACE_STYLE_",
                                            "PRESENTATION_STYLE",
+                                           "FILL_AREA_STYLE",
+                                           "CURVE_STYLE",
                                            "STYLED_ITEM"};
   return std::find(kWhole.begin(), kWhole.end(), keyword) != kWhole.end() ||
          std::any_of(kFamilies.begin(), kFamilies.end(),
@@ -198,20 +217,87 @@ int flat_reference(const Part21& file, const Entity& entity) {
   return 0;
 }
 
+/// The lists of lists among an entity's attributes: control points and weights of a surface.
+std::vector<const Value*> nets_of(const std::vector<Part>& parts) {
+  std::vector<const Value*> nets;
+  for (const Part& part : parts) {
+    for (const Value& value : part.values) {
+      if (value.is(Value::Kind::list) && !value.items.empty() && value.items.front().is(Value::Kind::list)) {
+        nets.push_back(&value);
+      }
+    }
+  }
+  return nets;
+}
+
+/// Whether all nets of a surface have as many rows, and all their rows as many items.
+bool are_grids_alike(const std::vector<const Value*>& nets) {
+  for (const Value* net : nets) {
+    if (net->items.size() != nets.front()->items.size()) return false;
+    for (const Value& row : net->items) {
+      if (row.items.size() != nets.front()->items.front().items.size()) return false;
+    }
+  }
+  return true;
+}
+
+/// Whether each list of multiplicities is as long as its knots: the lists before the last attribute, all of the former
+/// before all of the latter.
+bool have_knots_multiplicities(const Part& part) {
+  std::vector<std::size_t> sizes;
+  for (std::size_t i = part.values.size(); i-- > 0;) {
+    const bool is_last = i + 1 == part.values.size();
+    if (is_last) continue;
+    if (!part[i].is(Value::Kind::list)) break;
+    sizes.push_back(part[i].items.size());
+  }
+  const std::size_t half = sizes.size() / 2;
+  return std::equal(sizes.begin(), sizes.begin() + static_cast<std::ptrdiff_t>(half),
+                    sizes.begin() + static_cast<std::ptrdiff_t>(half), sizes.end());
+}
+
+/// Size of the list that is the attribute `i` of a part, if the entity has that part.
+std::optional<std::size_t> list_size(const std::vector<Part>& parts, const char* keyword, std::size_t i) {
+  for (const Part& part : parts) {
+    if (part.keyword == keyword) return part[i].items.size();
+  }
+  return std::nullopt;
+}
+
+/// What is wrong with the lists of a B-spline, empty if nothing: the import takes them for as long as each other.
+std::string spline_fault(const std::vector<Part>& parts) {
+  const std::vector<const Value*> nets = nets_of(parts);
+  if (!are_grids_alike(nets)) return "its control points or weights are no grid";
+  const auto poles = list_size(parts, "B_SPLINE_CURVE", 1);
+  const auto weights = list_size(parts, "RATIONAL_B_SPLINE_CURVE", 0);
+  if (poles && weights && *poles != *weights) return "it has not a weight for each control point";
+  for (const Part& part : parts) {
+    const bool has_knots = part.keyword.find("WITH_KNOTS") != std::string::npos;
+    if (has_knots && !have_knots_multiplicities(part)) return "it has not a multiplicity for each knot";
+  }
+  return {};
+}
+
 }  // namespace
 
 std::vector<RefusedEntity> broken_geometry(const Part21& file, const std::vector<RefusedEntity>& refused) {
   std::map<int, std::string> broken;
   const std::vector<const Entity*> pieces = pieces_of_geometry(file);
   for (const RefusedEntity& entity : refused) {
-    // A missing name does no harm.
-    const bool harmless = entity.reason.find("quoted String") != std::string::npos;
-    if (!harmless && is_piece_of_geometry(file.keyword_of(entity.number))) broken.emplace(entity.number, entity.reason);
+    if (!is_about_a_name(entity.reason) && is_piece_of_geometry(file.keyword_of(entity.number)))
+      broken.emplace(entity.number, entity.reason);
   }
   for (const char* spatial : {"VERTEX_POINT", "AXIS2_PLACEMENT_3D"}) {
     for (const int number : file.with_keyword(spatial)) {
       const int flat = flat_reference(file, *file.find(number));
       if (flat != 0) broken.emplace(number, "it needs three coordinates and " + label_of(flat) + " has others");
+    }
+  }
+  for (const auto& [keyword, positions] : file.by_keyword()) {
+    if (keyword.find("B_SPLINE") == std::string::npos) continue;
+    for (const std::uint32_t position : positions) {
+      const Entity& spline = file.entities()[position];
+      if (std::string fault = spline_fault(file.parts(spline)); !fault.empty()) broken.emplace(spline.number, fault);
     }
   }
   for (bool grown = true; grown;) {

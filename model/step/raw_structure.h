@@ -17,6 +17,11 @@ struct RefusedEntity {
   std::string reason;
 };
 
+/// Whether what the import complains about is only a name that is missing, which does no harm.
+[[nodiscard]] inline bool is_about_a_name(const std::string& reason) {
+  return reason.find("quoted String") != std::string::npos;
+}
+
 /// Geometry and topology below the shells that lacks what it is made of, and all that is built on it, up to the face or
 /// solid, in the file's order; `refused` may add causes. The import would follow the missing references and crash, but
 /// bears shells with missing faces: what is listed must be taken out of the text before shapes are made.

@@ -81,6 +81,38 @@ TEST(RawStructure, FindsCurvesAndColoursThatLackTheirParts) {
   EXPECT_EQ(broken_geometry(Part21(text), {}).size(), 5U) << "the plane lacks nothing";
 }
 
+/// The reason for refusing entity #1 of the data, empty if it isn't refused.
+std::string refusal(const std::string& data) {
+  const std::string text = file_of(data);
+  for (const RefusedEntity& entity : broken_geometry(Part21(text), {})) {
+    if (entity.number == 1) return entity.reason;
+  }
+  return {};
+}
+
+TEST(RawStructure, FindsSplinesWhoseListsDontMatch) {
+  const std::string point = "#2=CARTESIAN_POINT('',(0.,0.,0.));";
+  const auto surface = [&](const std::string& net, const std::string& knots) {
+    return refusal("#1=B_SPLINE_SURFACE_WITH_KNOTS('',1,1," + net + ",.UNSPECIFIED.,.F.,.F.,.F.," + knots +
+                   ",.UNSPECIFIED.);" + point);
+  };
+  EXPECT_EQ(surface("((#2,#2),(#2,#2))", "(2,2),(2,2),(0.,1.),(0.,1.)"), "");
+  EXPECT_THAT(surface("((#2,#2),(#2))", "(2,2),(2,2),(0.,1.),(0.,1.)"), HasSubstr("grid"));
+  EXPECT_THAT(surface("((#2,#2),#2)", "(2,2),(2,2),(0.,1.),(0.,1.)"), HasSubstr("grid"));
+  EXPECT_THAT(surface("((#2,#2),(#2,#2))", "(2,2),(2,2,2),(0.,1.),(0.,1.)"), HasSubstr("multiplicity"));
+  const auto curve = [&](const std::string& lists, const std::string& weights) {
+    return refusal("#1=(BOUNDED_CURVE()B_SPLINE_CURVE(1,(#2,#2),.UNSPECIFIED.,.F.,.F.)B_SPLINE_CURVE_WITH_KNOTS(" +
+                   lists + ",.UNSPECIFIED.)RATIONAL_B_SPLINE_CURVE(" + weights + "));" + point);
+  };
+  EXPECT_EQ(curve("(2,2),(0.,1.)", "(1.,1.)"), "");
+  EXPECT_THAT(curve("(2,2),(0.,1.)", "(1.)"), HasSubstr("weight"));
+  EXPECT_THAT(curve("(2,2,2),(0.,1.)", "(1.,1.)"), HasSubstr("multiplicity"));
+}
+
+TEST(RawStructure, FindsAProductsShapeThatLacksItsDefinition) {
+  EXPECT_THAT(refusal("#1=SHAPE_DEFINITION_REPRESENTATION(#4,#2);#2=SHAPE_REPRESENTATION('',(),$);"), HasSubstr("#4"));
+}
+
 TEST(RawStructure, TakesTheImportsRefusalsForCausesButNotThoseOfNames) {
   const std::string text = file_of("#1=LINE('',#2,#2);#2=CARTESIAN_POINT($,(0.,0.,0.));");
   const Part21 file(text);
