@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <new>
 #include <optional>
 #include <string>
 
@@ -114,6 +115,8 @@ class VdbSink final : public LayerSink {
     flush(0);
     try {
       grids_->write(file_->stream());
+    } catch (const std::bad_alloc&) {
+      throw;
     } catch (const std::exception& error) {
       throw ExportError(std::string("can't write VDB: ") + error.what(), path_.string());
     }

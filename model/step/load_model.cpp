@@ -4,10 +4,12 @@
 #include <StepData_StepReaderData.hxx>
 #include <StepData_StepReaderTool.hxx>
 #include <algorithm>
+#include <limits>
 #include <memory_resource>
 #include <string>
 #include <vector>
 
+#include "core/error.h"
 #include "model/step/entity_label.h"
 #include "model/step/part21_lexer.h"
 
@@ -37,6 +39,14 @@ Interface_ParamType type_of(const Value& value) {
       break;
   }
   return Interface_ParamSub;
+}
+
+/// What OpenCASCADE does with them grows with their square. Nets of control points have a list a row.
+constexpr std::size_t kMaxLists = 10'000;
+constexpr std::size_t kMaxParts = 1'000;
+
+InputError too_much(const char* where, const char* what, std::size_t limit) {
+  return InputError("more than " + std::to_string(limit) + " " + what, where, "is the file damaged?");
 }
 
 /// OpenCASCADE's records: one for each entity, each part of a complex one, and each list within, which stands before
@@ -70,7 +80,8 @@ class Records {
   std::vector<Argument> arguments_;
   std::vector<Argument> open_;           ///< arguments of the records that aren't ended yet
   std::vector<const char*> list_names_;  ///< "$1", "$2", ...
-  std::size_t lists_ = 0;                ///< of the current part
+  const char* ident_ = nullptr;          ///< of the current entity
+  std::size_t lists_ = 0;                ///< of its current part
   std::size_t header_size_ = 0;
 };
 
@@ -91,6 +102,8 @@ Records::Records(const Part21& file, const Progress& progress) : words_(file.tex
 }
 
 void Records::add_statement(const char* ident, const std::vector<Part>& parts) {
+  if (parts.size() > kMaxParts) throw too_much(ident, "parts", kMaxParts);
+  ident_ = ident;
   for (const Part& part : parts) {
     lists_ = 0;
     add_record(ident, keep(part.written), part.values);
@@ -111,6 +124,7 @@ Records::Argument Records::add_value(const Value& value) {
   if (type != Interface_ParamSub) return {keep(value.written), type};
   static constexpr const char* kPlainList = "/* (SUB) */";
   const char* name = list_name(++lists_);
+  if (lists_ > kMaxLists) throw too_much(ident_, "lists", kMaxLists);
   add_record(name, value.is(Value::Kind::list) ? kPlainList : keep(value.written), value.items);
   return {name, type};
 }
@@ -130,6 +144,8 @@ const char* Records::keep(std::string_view word) {
 }
 
 Handle(StepData_StepReaderData) Records::reader_data(Resource_FormatType code_page) const {
+  constexpr std::size_t kMaxCount = std::numeric_limits<int>::max();
+  if (std::max(records_.size(), arguments_.size()) > kMaxCount) throw too_much("DATA", "values", kMaxCount);
   const auto count = static_cast<int>(records_.size());
   const Handle(StepData_StepReaderData) data = new StepData_StepReaderData(
       static_cast<int>(header_size_), count, static_cast<int>(arguments_.size()), code_page);

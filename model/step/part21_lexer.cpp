@@ -22,7 +22,7 @@ std::size_t after_string(std::string_view text, std::size_t i) {
       ++i;
       continue;
     }
-    const std::size_t next = text.find_first_not_of(" \t\r\n", i + 1);
+    const std::size_t next = text.find_first_not_of(" \t\n\v\f\r", i + 1);
     if (next == std::string_view::npos || std::string_view(",);/").find(text[next]) != std::string_view::npos)
       return i + 1;
   }

@@ -217,6 +217,26 @@ int flat_reference(const Part21& file, const Entity& entity) {
   return 0;
 }
 
+/// A look that costs little before the entity is parsed.
+bool may_hold_an_empty_list(std::string_view text) {
+  for (std::size_t at = text.find('('); at != std::string_view::npos; at = text.find('(', at + 1)) {
+    const std::size_t next = text.find_first_not_of(" \t\r\n", at + 1);
+    if (next != std::string_view::npos && text[next] == ')') return true;
+  }
+  return false;
+}
+
+/// Points and directions of which no coordinate is stated.
+void add_empty_points(const Part21& file, std::map<int, std::string>& broken) {
+  for (const char* keyword : {"CARTESIAN_POINT", "DIRECTION"}) {
+    for (const int number : file.with_keyword(keyword)) {
+      const Entity& entity = *file.find(number);
+      if (!may_hold_an_empty_list(file.text().substr(entity.begin, entity.size))) continue;
+      if (file.part(number, keyword)[1].items.empty()) broken.emplace(number, "it has no coordinates");
+    }
+  }
+}
+
 /// The lists of lists among an entity's attributes: control points and weights of a surface.
 std::vector<const Value*> nets_of(const std::vector<Part>& parts) {
   std::vector<const Value*> nets;
@@ -272,6 +292,10 @@ std::string spline_fault(const std::vector<Part>& parts) {
   const auto weights = list_size(parts, "RATIONAL_B_SPLINE_CURVE", 0);
   if (poles && weights && *poles != *weights) return "it has not a weight for each control point";
   for (const Part& part : parts) {
+    const bool has_empty_list = std::any_of(part.values.begin(), part.values.end(), [](const Value& value) {
+      return value.is(Value::Kind::list) && value.items.empty();
+    });
+    if (has_empty_list) return "one of its lists is empty";
     const bool has_knots = part.keyword.find("WITH_KNOTS") != std::string::npos;
     if (has_knots && !have_knots_multiplicities(part)) return "it has not a multiplicity for each knot";
   }
@@ -293,6 +317,7 @@ std::vector<RefusedEntity> broken_geometry(const Part21& file, const std::vector
       if (flat != 0) broken.emplace(number, "it needs three coordinates and " + label_of(flat) + " has others");
     }
   }
+  add_empty_points(file, broken);
   for (const auto& [keyword, positions] : file.by_keyword()) {
     if (keyword.find("B_SPLINE") == std::string::npos) continue;
     for (const std::uint32_t position : positions) {

@@ -33,6 +33,8 @@ constexpr int kMaxHalvings = 24;
 
 /// Cosine of half a right angle: faces that lie along one another are all but parallel, and opposite.
 constexpr double kOpposite = 0.7;
+/// The same for pieces in parts of which faces may lie so.
+constexpr double kNearlyOpposite = 0.5;
 
 /// Solids whose boxes come within `reach`, found along x. The first has the higher rank.
 std::vector<SolidPair> near_pairs(const IdVector<SolidId, SolidMeasure>& measures, const IdVector<SolidId, int>& rank,
@@ -166,21 +168,21 @@ class PairSearch {
     return uv;
   }
 
-  /// Whether a gap may begin or end in a small piece, by how far the other face is from the middle and how it leans.
+  /// Whether an interface or a gap may begin or end in a small piece, by how far the other face is from the middle and
+  /// how it leans; from either side alike, or their areas would lean to one.
   [[nodiscard]] bool is_at_rim(const FaceSearch& face, const BezierPatch& patch, const Vec3& middle, double radius,
                                const NearPoint& near) const {
-    const Vec2 at = face.form->to_surface({patch.u.middle(), patch.v.middle()});
-    const Vec3 normal = outward_normal(scene_, face.id, at);
-    if (!near.on_edge && !faces_it(normal, near)) return false;
+    const Vec3 normal = outward_normal(scene_, face.id, face.form->to_surface({patch.u.middle(), patch.v.middle()}));
+    const Vec3 other = near.on_edge ? Vec3(-normal) : outward_normal(scene_, near.face, near.uv);
+    if (normal.dot(other) > -kNearlyOpposite) return false;
     const double tolerance = touching_distance(scene_, face.id, near.face, options_.gap_tolerance);
-    if (near.distance <= tolerance) return false;
     const double along = (near.point - middle).dot(normal);
-    if (std::abs(along) < kOpposite * near.distance) return false;
-    const double slope = near.on_edge ? 1.0 : (normal + outward_normal(scene_, near.face, near.uv)).norm();
-    const double change = slope * radius;
-    if (along < 0.0) return near.distance < change;
-    return near.distance - change < tolerance ||
-           (near.distance - change < options_.reach) != (near.distance + change < options_.reach);
+    if (near.distance > tolerance && std::abs(along) < kNearlyOpposite * near.distance) return false;
+    const double change = near.on_edge ? radius : (normal + other).norm() * radius;
+    const auto is_crossed = [&](double limit) {
+      return (near.distance - change < limit) != (near.distance + change < limit);
+    };
+    return is_crossed(tolerance) || (along > 0.0 && is_crossed(options_.reach));
   }
 
   /// Area of a small piece, by two Gauss points along each parameter.

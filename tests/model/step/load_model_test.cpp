@@ -104,7 +104,7 @@ TEST(LoadModel, TakesCommentsBlanksAndStringsAsOpenCascadeDoes) {
 TEST(LoadModel, ReadsWhatOpenCascadesLexerDoesNot) {
   const std::string text = sample();
   const std::string same = dump(load(text));
-  EXPECT_EQ(dump(load(replaced(text, "'box'", "'box'\t/* ','(( */"))), same) << "a string ends before a comment";
+  EXPECT_EQ(dump(load(replaced(text, "'box'", "'box'\v\t/* ','(( */"))), same) << "a string ends before a comment";
   EXPECT_EQ(dump(load(replaced(text, ",(1.,0.,0.))", ",(10.e-1,\v0.,\f0.))"))), same);
   EXPECT_EQ(dump(load(replaced(text, "#10 = ", "ENDSEC;\nDATA;\n#10 = "))), same);
 }
@@ -119,6 +119,16 @@ TEST(LoadModel, ReportsWhatAnEntityLacksAsOpenCascadeDoes) {
   expect_same(replaced(text, "CARTESIAN_POINT('',(0.,0.,0.))", "CARTESIAN_POINT('')"));
   expect_same(
       replaced(text, "CARTESIAN_POINT('',(0.,0.,0.))", "CARTESIAN_PINT('',(0.,0.,0.),\"0F\",A((1),B(2)),#999999,*)"));
+}
+
+TEST(LoadModel, RefusesEntitiesThatTakeOpenCascadeTooLong) {
+  const auto end = std::string("ENDSEC;\nEND-ISO");
+  std::string lists;
+  for (int i = 0; i < 20000; ++i) lists += "(1),";
+  EXPECT_THROW((void)load(replaced(sample(), end, "#9999=A(" + lists + "$);\n" + end)), InputError);
+  std::string parts;
+  for (int i = 0; i < 2000; ++i) parts += "A(1)";
+  EXPECT_THROW((void)load(replaced(sample(), end, "#9999=(" + parts + ");\n" + end)), InputError);
 }
 
 TEST(LoadModel, EndsWhenCancelled) {

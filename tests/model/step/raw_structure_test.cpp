@@ -107,6 +107,13 @@ TEST(RawStructure, FindsSplinesWhoseListsDontMatch) {
   EXPECT_EQ(curve("(2,2),(0.,1.)", "(1.,1.)"), "");
   EXPECT_THAT(curve("(2,2),(0.,1.)", "(1.)"), HasSubstr("weight"));
   EXPECT_THAT(curve("(2,2,2),(0.,1.)", "(1.,1.)"), HasSubstr("multiplicity"));
+  EXPECT_THAT(curve("(),()", "(1.,1.)"), HasSubstr("empty"));
+}
+
+TEST(RawStructure, FindsPointsWithoutCoordinates) {
+  EXPECT_THAT(refusal("#1=DIRECTION('',( ));"), HasSubstr("coordinates"));
+  EXPECT_THAT(refusal("#1=CARTESIAN_POINT('',());"), HasSubstr("coordinates"));
+  EXPECT_EQ(refusal("#1=CARTESIAN_POINT('()',(1.,2.));"), "");
 }
 
 TEST(RawStructure, FindsAProductsShapeThatLacksItsDefinition) {

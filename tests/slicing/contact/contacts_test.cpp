@@ -102,6 +102,27 @@ TEST(Contacts, AGapThatNarrowsToNothingIsMeasuredFinerThanAFace) {
   }
 }
 
+/// Two balls: what touches is the cap of one whose points are within the tolerance of the other.
+TEST(Contacts, AnInterfaceThatEndsInsideAFaceIsMeasuredWithoutBias) {
+  constexpr double kApart = 2.1;
+  Scene scene;
+  test::add_sphere(scene, 1.0);
+  test::add_sphere(scene, 1.0, {Placement::at(Vec3(0.0, 0.0, kApart)), "second"});
+  double sum = 0.0;
+  double exact_sum = 0.0;
+  for (const double tolerance : {0.15, 0.17, 0.19, 0.21, 0.23}) {
+    const auto contacts = contacts_of(scene, 0.5, tolerance);
+    ASSERT_EQ(contacts.size(), 1U);
+    const double cosine = (1.0 + kApart * kApart - (1.0 + tolerance) * (1.0 + tolerance)) / (2.0 * kApart);
+    const double exact = 2.0 * kPi * (1.0 - cosine);
+    const double half_a_piece = 0.5 * 2.0 * std::sqrt(3.0) / 64.0;
+    EXPECT_NEAR(contacts[0].touching_area, exact, 2.0 * kPi * std::sqrt(1.0 - cosine * cosine) * half_a_piece);
+    sum += contacts[0].touching_area;
+    exact_sum += exact;
+  }
+  EXPECT_NEAR(sum, exact_sum, 0.04 * exact_sum);
+}
+
 TEST(Contacts, AThirdSolidInTheGapClosesIt) {
   Scene scene;
   test::add_box(scene, {0, 0, 0}, {1, 1, 1});
